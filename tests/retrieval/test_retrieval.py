@@ -7,7 +7,7 @@ import pytest
 
 from ucon.core.errors import ConfigError
 from ucon.fitting.measures import measure_retrieval
-from ucon.habits import KnowledgeBase, book
+from ucon.habits import KnowledgeBase, book, knowledge
 from ucon.readers.sampled_homes import sampled_kb
 from ucon.retrieval import LEVELS, BM25Retriever, DenseRetriever, habits_at_level, mrr, recall_at
 from ucon.retrieval.kernels import LANES, products
@@ -39,6 +39,29 @@ def test_ranking_does_not_depend_on_the_order_of_the_knowledge_base(kbs, name):
     turned = KnowledgeBase(kb.dataset, np.ascontiguousarray(kb.rows[::-1]))
     for target in list(kb.entries)[:5]:
         assert list(RETRIEVERS[name]().rank(target, kb)) == list(RETRIEVERS[name]().rank(target, turned))
+
+
+@pytest.mark.parametrize("name", ["dense", "bm25"])
+def test_shuffles_of_a_knowledge_base_share_an_index(kbs, name, monkeypatch):
+    """Scores follow the rows, and what is indexed for one order is not made again for another."""
+    kb, retriever = kbs[0], RETRIEVERS[name]()
+    turned = KnowledgeBase(kb.dataset, np.random.default_rng(0).permutation(kb.rows).astype(np.int32))
+    assert turned.in_order.base is kb.in_order.base
+    target = next(iter(kb.entries))
+    by_row = dict(zip(kb.rows.tolist(), retriever.scores(target, kb).tolist(), strict=True))
+    first = dict(retriever.indexed)
+    assert [by_row[row] for row in turned.rows.tolist()] == retriever.scores(target, turned).tolist()
+    assert dict(retriever.indexed) == first
+    assert all(retriever.indexed[base] is index for base, index in first.items())
+
+
+def test_few_knowledge_bases_in_order_are_kept(kbs):
+    kb, first = kbs[0], kbs[0].in_order.base
+    for n in range(1, knowledge._KEPT + 1):
+        KnowledgeBase(kb.dataset, kb.rows[n:]).in_order  # noqa: B018 (each is another set of rows)
+    again = KnowledgeBase(kb.dataset, kb.rows.copy()).in_order.base
+    assert again is not first
+    assert (again.rows == first.rows).all()
 
 
 @pytest.mark.timed

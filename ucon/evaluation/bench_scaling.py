@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import median
 from typing import Final, TypeVar
 
@@ -43,6 +43,8 @@ RETRIEVERS: Final = ("minilm", "bm25", "minilm, told context", "minilm, re-ranke
 """What ranks: two retrievers, and what a told context and level ``context`` put upon the first."""
 #: Queries of a knowledge base, after the first.
 QUERIES: Final = 40
+#: Resets that are measured.
+_RESETS: Final = 5
 #: Who says a sentence of the book when it comes again.
 _NAMES: Final = ("Ada", "Bruno", "Chidi", "Dalia", "Edith", "Farid", "Greta", "Hiro")
 _TOLD: Final = Context(day=0, hour=16, season="summer", occasion="weather/rain", asker="retired teacher Ines")
@@ -66,7 +68,9 @@ class QueryCost:
     """Median over queries."""
     query_ms_worst: float
     first_ms: float
-    """First query of a knowledge base, which makes its index."""
+    """First query of all, which makes the index."""
+    reset_ms: float
+    """First query after a reset, which shuffles the knowledge base; in a told context a new one."""
 
 
 @dataclass(frozen=True)
@@ -90,14 +94,19 @@ def query_costs(sizes: Sequence[int], queries: int) -> list[QueryCost]:
     categories = book().categories
     asked = [categories[k] for k in np.linspace(0, len(categories) - 1, queries + 1).astype(int)]
     for name in RETRIEVERS:  # compiles kernels, reads weights, encodes queries that state what was told
-        warm_up = _ranking(name, 10)
+        warm_up = _ranking(name, _base_for(name, 10), _Retrievers())
         for target in asked:
             warm_up(target)
     costs = []
     for name, size in ticked("retrieval", [(name, size) for name in RETRIEVERS for size in sizes]):
-        rank = _ranking(name, size)
+        base, retrievers = _base_for(name, size), _Retrievers()
+        rank = _ranking(name, base, retrievers)
         first, *spent = [_milliseconds(rank, target) for target in asked]
-        costs.append(QueryCost(name, size, _short(median(spent)), _short(max(spent)), _short(first)))
+        resets = [
+            _milliseconds(_ranking(name, _shuffled(base, k), retrievers, replace(_TOLD, hour=k)), asked[k % len(asked)])
+            for k in range(_RESETS)
+        ]
+        costs.append(QueryCost(name, size, *map(_short, (median(spent), max(spent), first, median(resets)))))
     return costs
 
 
@@ -157,20 +166,34 @@ def _said(text: str, turn: int) -> str:
     return text if turn == 0 else f"{' '.join(names)} says: {text}"
 
 
-def _ranking(name: str, size: int) -> Rank:
-    """What ranks a knowledge base of some size, by a category's name."""
-    base = scaled_base(size, named=name == "bm25")
+class _Retrievers:
+    """What stays from reset to reset."""
+
+    def __init__(self) -> None:
+        self.dense, self.bm25 = DenseRetriever(), BM25Retriever()
+        self.context = ContextRetriever(self.dense)
+
+
+def _base_for(name: str, size: int) -> KnowledgeBase:
+    return scaled_base(size, named=name == "bm25")
+
+
+def _shuffled(base: KnowledgeBase, number: int) -> KnowledgeBase:
+    """The same sentences in another order, as at a reset."""
+    order = stream(0, "bench", "scaling", "reset", number).permutation(len(base))
+    return KnowledgeBase(base.dataset, base.rows[order])
+
+
+def _ranking(name: str, base: KnowledgeBase, retrievers: _Retrievers, context: Context = _TOLD) -> Rank:
+    """What ranks a knowledge base by a category's name."""
     if name == "bm25":
-        bm25 = BM25Retriever()
-        return lambda target: bm25.rank(target, base)
-    dense = DenseRetriever()
+        return lambda target: retrievers.bm25.rank(target, base)
     if name == "minilm":
-        return lambda target: dense.rank(target, base)
+        return lambda target: retrievers.dense.rank(target, base)
     if name == "minilm, told context":
-        told = ToldRetriever(dense, _TOLD)
+        told = ToldRetriever(retrievers.dense, context)
         return lambda target: told.rank(target, base)
-    context = ContextRetriever(dense)
-    return lambda target: context.rank(target, base, _SEEN, _EMPTIED)
+    return lambda target: retrievers.context.rank(target, base, _SEEN, _EMPTIED)
 
 
 def _milliseconds(action: Callable[[T], object], asked: T) -> float:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
+from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Any, Final, Literal
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +20,8 @@ from ucon.habits.types import Entry, HabitDataset
 
 Mode = Literal["category", "task"]
 MODES: tuple[Mode, ...] = ("category", "task")
+#: Knowledge bases in row order that are kept of a dataset; what retrievers index of them lives as long.
+_KEPT: Final = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +72,19 @@ class KnowledgeBase(Shared):
         return tuple(self.dataset.texts[row] for row in self.rows)
 
     @cached_property
+    def in_order(self) -> InOrder:
+        """The same rows in ascending order: what is indexed, since episodes shuffle the same rows anew."""
+        order = np.argsort(self.rows, kind="stable")
+        rows = self.rows[order]
+        key = hashlib.blake2b(rows.tobytes(), digest_size=16).digest()
+        kept = _IN_ORDER.setdefault(self.dataset, OrderedDict())
+        base = kept.setdefault(key, KnowledgeBase(self.dataset, rows))
+        kept.move_to_end(key)
+        if len(kept) > _KEPT:
+            kept.popitem(last=False)
+        return InOrder(base, order)
+
+    @cached_property
     def entries(self) -> dict[str, tuple[Entry, ...]]:
         """The entries of the habits, by category. Privileged: they hold the placements."""
         found: dict[str, list[Entry]] = {}
@@ -91,3 +109,21 @@ class KnowledgeBase(Shared):
             return self
         keep = self.dataset.row_category[self.rows] != self.dataset.categories.index(category)
         return KnowledgeBase(self.dataset, self.rows[keep])
+
+
+@dataclass(frozen=True, eq=False)
+class InOrder(Shared):
+    """A knowledge base in the order of its rows, one object for all shuffles of it."""
+
+    base: KnowledgeBase
+    order: NDArray[np.int64]
+    """(N,) place in the shuffled knowledge base of each row of ``base``."""
+
+    def shuffled(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Values (N, ...) of the rows of ``base``, in the shuffled order."""
+        out = np.empty_like(values)
+        out[self.order] = values
+        return out
+
+
+_IN_ORDER: WeakKeyDictionary[HabitDataset, OrderedDict[bytes, KnowledgeBase]] = WeakKeyDictionary()

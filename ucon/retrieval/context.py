@@ -87,9 +87,9 @@ class ContextRetriever(Shared):
             return base
         empty = np.array([min(max(gone.get(name, 0.0), 0.0), 1.0) for name in self.reader.known])
         there = np.array([float(name in seen) for name in self.reader.known])
-        speaks = self._speaks(kb)
+        speaks = self._speaks(kb.in_order.base)
         pull = self.weights.seen * (speaks @ (there * (1.0 - empty))) - self.weights.emptied * (speaks @ empty)
-        return base + float(base.std()) * pull
+        return base + float(base.std()) * kb.in_order.shuffled(pull)
 
     def rank(
         self, target: str, kb: KnowledgeBase, seen: Collection[str] = (), emptied: Mapping[str, float] | None = None

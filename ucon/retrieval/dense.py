@@ -58,7 +58,7 @@ class DenseRetriever(Shared):
         """
         self.encoder = encoder or default_encoder()
         self._whole = whole
-        self._halves: Remembered[KnowledgeBase, NDArray[np.uint16]] = Remembered()
+        self.indexed: Remembered[KnowledgeBase, NDArray[np.uint16]] = Remembered()
 
     @property
     def name(self) -> str:
@@ -78,10 +78,11 @@ class DenseRetriever(Shared):
     def scores(self, target: str, kb: KnowledgeBase, told: str = "") -> NDArray[np.float64]:
         """Cosines (N,) float64 in the order of ``kb.rows``."""
         query = self.encoder.encode_half([query_text(target, told)])[0].astype(np.float64)
-        vectors = self._vectors(kb)
+        known = kb.in_order
+        vectors = self._vectors(known.base)
         scores = np.empty(len(vectors))
         products(vectors, query, scores)
-        return scores
+        return known.shuffled(scores)
 
     def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:
         """Rows of the knowledge base, best first, (N,) int32."""
@@ -89,11 +90,11 @@ class DenseRetriever(Shared):
 
     def _vectors(self, kb: KnowledgeBase) -> NDArray[np.uint16]:
         """Bits of the fp16 vectors (N, D) of a knowledge base, cached while it lives."""
-        if kb not in self._halves:
+        if kb not in self.indexed:
             known = (
                 dataset_vectors(kb.dataset, self.encoder)[kb.rows]
                 if self._whole
                 else self.encoder.encode_half(kb.texts)
             )
-            self._halves[kb] = known.view(np.uint16)
-        return self._halves[kb]
+            self.indexed[kb] = known.view(np.uint16)
+        return self.indexed[kb]

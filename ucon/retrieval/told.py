@@ -38,7 +38,8 @@ class ToldRetriever(Shared):
         """Scores (N,) float64 in the order of ``kb.rows``; ``told`` is the context's own."""
         plain = self.retriever.scores(target, kb, self.told.occasion_and_user)
         if kb not in self._weights:  # they are the same for every target, and dear: each sentence is weighed
-            self._weights[kb] = self._conditions.weights(kb.texts, self.told, "retrieval")
+            known = kb.in_order  # whose sentences are read once, whatever is told
+            self._weights[kb] = known.shuffled(self._conditions.weights(known.base.texts, self.told, "retrieval"))
         return lifted(plain, self._weights[kb])
 
     def rank(self, target: str, kb: KnowledgeBase) -> NDArray[np.int32]:

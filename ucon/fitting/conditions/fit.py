@@ -36,7 +36,7 @@ def fit_conditions(dataset: HabitDataset) -> ConditionReader:
     said = said_in(dataset, "train")
     occasions, words = known_occasions(dataset)
     reader = ConditionReader(np.zeros((1, len(KINDS))), np.zeros((len(KINDS), N_FEATURES, 3)), occasions, words, _EVEN)
-    vectors = np.stack([one.vector for one in reader.sentences([one.text for one in said])])
+    vectors = reader.sentences([one.text for one in said]).vectors
     has, fold = has_conditions(said), _folds(said)
     mention = np.zeros_like(has)
     for k in range(N_FOLDS):
@@ -59,7 +59,7 @@ def examples(reader: ConditionReader, said: Sequence[Said], mention: Array) -> t
     read = reader.sentences([one.text for one in said])
     x = np.asarray(
         [
-            [reader.features([read[k]], context, kind, mention[[k], q])[0] for k, context in shown]
+            [reader.features(read.one(k), context, kind, mention[[k], q])[0] for k, context in shown]
             for q, kind in enumerate(KINDS)
         ]
     )

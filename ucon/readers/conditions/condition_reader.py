@@ -8,6 +8,7 @@ all. Fitted on train entries (:mod:`ucon.fitting.conditions`). Who asks is read 
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -34,6 +35,7 @@ PARTS_OF_DAY: Final = ("morning", "afternoon", "evening", "night")
 DECIMALS: Final = 4
 #: Likeness of a sentence and a time of the calendar is multiplied by this, so that features are of one size.
 _SCALE: Final = 10.0
+#: Sentences that are kept as read, over all knowledge bases; one of them is kept whatever its size.
 _REMEMBERED: Final = 60_000
 _PHRASES: Final[Mapping[str, Sequence[str]]] = {
     "day": ("on weekdays, from Monday to Friday", "at the weekend, on Saturday and Sunday"),
@@ -74,20 +76,36 @@ class Strength:
 
 
 @dataclass(frozen=True, eq=False)
-class _Sentence:
-    """What is read of a sentence before any context is told."""
+class ReadSentences:
+    """What is read of H sentences before any context is told."""
 
     named: Mapping[str, NDArray[np.bool_]]
-    """By kind: which days (7), hours (24), seasons (4) or known occasions (O) it names."""
+    """By kind: which days (H, 7), hours (H, 24), seasons (H, 4) or known occasions (H, O) they name."""
     likeness: Mapping[str, Array]
-    """By kind: cosine with each phrase of the calendar, or each known occasion."""
-    vector: Array
-    stems: frozenset[str]
-    names: frozenset[str]
+    """By kind: cosine (H, n) with each of n phrases of the calendar, or each known occasion."""
+    half: NDArray[np.float16]
+    """(H, D) embeddings."""
+    stems: tuple[frozenset[str], ...]
+    names: tuple[frozenset[str], ...]
+    """By sentence: capitalised words, among them the names of people."""
+
+    def __len__(self) -> int:
+        return len(self.stems)
+
+    @property
+    def vectors(self) -> Array:
+        """(H, D) embeddings in float64."""
+        return self.half.astype(np.float64)
+
+    def one(self, k: int) -> ReadSentences:
+        """The k-th sentence alone."""
+        named = {kind: rows[k : k + 1] for kind, rows in self.named.items()}
+        like = {kind: rows[k : k + 1] for kind, rows in self.likeness.items()}
+        return ReadSentences(named, like, self.half[k : k + 1], self.stems[k : k + 1], self.names[k : k + 1])
 
 
 class ConditionReader(Shared):
-    """Reads conditions of sentences. One per process; it keeps what it read by text.
+    """Reads conditions of sentences. One per process; it keeps what it read.
 
     Args:
         probe: (D + 1, 4) weights and bias of the probes, one a kind.
@@ -112,7 +130,15 @@ class ConditionReader(Shared):
         self.encoder = encoder or default_encoder()
         phrases = {**_PHRASES, "occasion": [occasion_phrase(name) for name in self.occasions]}
         self._calendar = {kind: self.encoder.encode_half(texts).astype(np.float64) for kind, texts in phrases.items()}
-        self._read: dict[str, _Sentence] = {}
+        self._times = np.concatenate([self._calendar[kind] for kind in KINDS])
+        self._ends_like = np.cumsum([len(self._calendar[kind]) for kind in KINDS])
+        self._ends_named = np.cumsum([7, 24, len(SEASONS), len(self.occasions)])
+        self._occasions_by_stem: dict[str, list[int]] = {}
+        for k, one in enumerate(self.words):
+            for stem in one:
+                self._occasions_by_stem.setdefault(stem, []).append(k)
+        self._rows: dict[str, tuple[NDArray[np.bool_], Array]] = {}
+        self._read: OrderedDict[tuple[str, ...], tuple[ReadSentences, Array]] = OrderedDict()
         known = zip(self._calendar["occasion"], self.words, strict=True)
         self._told_occasions = dict(zip(self.occasions, known, strict=True))
 
@@ -127,11 +153,10 @@ class ConditionReader(Shared):
             texts: the sentences.
             context: that was told.
         """
-        read = self.sentences(texts)
+        read, mention = self._known(tuple(texts))
         holds, fails = np.zeros((len(read), len(KINDS) + 1)), np.zeros((len(read), len(KINDS) + 1))
-        if not read:
+        if not len(read):
             return Holding(holds, fails)
-        mention = self.mentions(read)
         for k, kind in enumerate(KINDS):
             x = self.features(read, context, kind, mention[:, k])
             share = softmax(np.round(x @ self.shares[k], DECIMALS))
@@ -139,8 +164,8 @@ class ConditionReader(Shared):
         if context.user is not None:
             mine = names_in(context.user)
             others = names_in(context.asker) - mine
-            holds[:, -1] = [bool(one.names & mine) for one in read]
-            fails[:, -1] = [bool(one.names & others) and not one.names & mine for one in read]
+            holds[:, -1] = [bool(names & mine) for names in read.names]
+            fails[:, -1] = [bool(names & others) and not names & mine for names in read.names]
         return Holding(holds, fails)
 
     def weights(self, texts: Sequence[str], context: Context, use: str) -> Array:
@@ -153,11 +178,11 @@ class ConditionReader(Shared):
         """
         return self.holding(texts, context).weights(self.strengths[use])
 
-    def mentions(self, read: Sequence[_Sentence]) -> Array:
+    def mentions(self, read: ReadSentences) -> Array:
         """(H, 4) logit that each sentence has a condition, by kind, whatever was told."""
-        return np.stack([one.vector for one in read]) @ self.probe[:-1] + self.probe[-1]
+        return read.vectors @ self.probe[:-1] + self.probe[-1]
 
-    def features(self, read: Sequence[_Sentence], context: Context, kind: str, mention: Array) -> Array:
+    def features(self, read: ReadSentences, context: Context, kind: str, mention: Array) -> Array:
         """What H sentences are judged by in a context, (H, N_FEATURES).
 
         Bias; told time named; other times named; another day, but of the same part of the week, named; likeness to what
@@ -169,8 +194,7 @@ class ConditionReader(Shared):
             kind: of :data:`KINDS`.
             mention: (H,) of :meth:`mentions`.
         """
-        named = np.stack([one.named[kind] for one in read])
-        like = np.stack([one.likeness[kind] for one in read])
+        named, like = read.named[kind], read.likeness[kind]
         x = np.zeros((len(read), N_FEATURES))
         x[:, 0], x[:, 7] = 1.0, mention
         if kind == "occasion" and context.occasion is None:
@@ -179,8 +203,8 @@ class ConditionReader(Shared):
         if kind == "occasion":
             vector, words = self._occasion(str(context.occasion))
             others = [k for k, name in enumerate(self.occasions) if name != context.occasion]
-            hit = np.asarray([not one.stems.isdisjoint(words) for one in read])
-            told = np.round(np.stack([one.vector for one in read]) @ vector, DECIMALS)
+            hit = np.asarray([not said.isdisjoint(words) for said in read.stems])
+            told = np.round(read.vectors @ vector, DECIMALS)
             rest = like[:, others].max(1)
         else:
             value, phrase = _told(context, kind)
@@ -199,32 +223,54 @@ class ConditionReader(Shared):
             self._told_occasions[name] = vector, frozenset(stems(name.replace("/", " ").replace("-", " ")))
         return self._told_occasions[name]
 
-    def sentences(self, texts: Sequence[str]) -> list[_Sentence]:
+    def sentences(self, texts: Sequence[str]) -> ReadSentences:
         """What H sentences say of the calendar, each read once."""
-        new = [text for text in dict.fromkeys(texts) if text not in self._read]
-        if len(self._read) + len(new) > _REMEMBERED:
-            self._read.clear()
-            new = list(dict.fromkeys(texts))
+        half = self.encoder.encode_half(texts)
+        rows = self._rows_of(texts, half)
+        named = np.stack([row[0] for row in rows]) if rows else np.zeros((0, self._ends_named[-1]), bool)
+        like = np.stack([row[1] for row in rows]) if rows else np.zeros((0, self._ends_like[-1]))
+        return ReadSentences(
+            dict(zip(KINDS, np.split(named, self._ends_named[:-1], axis=1), strict=True)),
+            dict(zip(KINDS, np.split(like, self._ends_like[:-1], axis=1), strict=True)),
+            half,
+            tuple(frozenset(stems(text)) for text in texts),
+            tuple(map(names_in, texts)),
+        )
+
+    def _rows_of(self, texts: Sequence[str], half: NDArray[np.float16]) -> list[tuple[NDArray[np.bool_], Array]]:
+        """By sentence what it names, and its likeness, the kinds side by side; new ones are read together."""
+        new = {text: k for k, text in enumerate(texts) if text not in self._rows}
+        if len(self._rows) + len(new) > _REMEMBERED:
+            self._rows.clear()
+            new = {text: k for k, text in enumerate(texts)}
         if new:
-            vectors = self.encoder.encode_half(new).astype(np.float64)
-            self._read.update((text, self._sentence(text, vector)) for text, vector in zip(new, vectors, strict=True))
-        return [self._read[text] for text in texts]
+            like = np.round(half[list(new.values())].astype(np.float64) @ self._times.T, DECIMALS)
+            named = np.zeros((len(new), self._ends_named[-1]), bool)
+            for row, text in zip(named, new, strict=True):
+                row[self._named(text)] = True
+            self._rows.update(zip(new, zip(named, like, strict=True), strict=True))
+        return [self._rows[text] for text in texts]
 
-    def _sentence(self, text: str, vector: Array) -> _Sentence:
-        said = frozenset(stems(text))
-        named = {
-            "day": _mask(days_named(text), 7),
-            "time": _mask(hours_named(text), 24),
-            "season": _mask(seasons_named(text), len(SEASONS)),
-            "occasion": np.asarray([not said.isdisjoint(words) for words in self.words], bool),
-        }
-        likeness = {kind: np.round(times @ vector, DECIMALS) for kind, times in self._calendar.items()}
-        return _Sentence(named, likeness, vector, said, names_in(text))
+    def _named(self, text: str) -> list[int]:
+        """Columns of the days, hours, seasons and known occasions that a sentence names."""
+        hours, seasons, occasions = self._ends_named[:3]
+        occasion = {k for stem in stems(text) for k in self._occasions_by_stem.get(stem, ())}
+        return [
+            *days_named(text),
+            *(hours + hour for hour in hours_named(text)),
+            *(seasons + season for season in seasons_named(text)),
+            *(occasions + k for k in occasion),
+        ]
 
-
-def _mask(numbers: frozenset[int], n: int) -> NDArray[np.bool_]:
-    """(n,) True at the numbers."""
-    return np.isin(np.arange(n), list(numbers))
+    def _known(self, texts: tuple[str, ...]) -> tuple[ReadSentences, Array]:
+        """Sentences as read, and their mentions; kept, since the same ones are asked about in many contexts."""
+        if texts not in self._read:
+            read = self.sentences(texts)
+            self._read[texts] = read, self.mentions(read)
+        self._read.move_to_end(texts)
+        while len(self._read) > 1 and sum(map(len, self._read)) > _REMEMBERED:
+            self._read.popitem(last=False)
+        return self._read[texts]
 
 
 @cache
