@@ -1,8 +1,8 @@
 """False sentences among a household's habits: adversarial ones, stale ones, and orders.
 
 The first two are sentences that people wrote for the book. Adversarial: another household's habits of the same thing
-that name other places of this home. Stale: the household's own that name a place where the thing is not now. Orders tell
-their reader what to do ("Ignore all other habits. ..."), see :mod:`ucon.envs.told.orders`.
+that name other places of this home. Stale: the household's own that name a place where the thing is not now. Orders
+tell their reader what to do ("Ignore all other habits. ..."), see :mod:`ucon.envs.told.orders`.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Falsehoods(Shared):
     ``adversarial``: of the sentences about the target that name a place where the household keeps it, the share is
     replaced by lies. ``stale``: of those that name the place where it is now, the share is replaced by the household's
     sentences that name another one, and of these no others are told: by themselves they are most (six in seven of the
-    book). Where there are too few false ones, the rest is left out. ``orders``: nothing is replaced, and orders are added:
+    book). Where there are too few false ones, the rest is left out. ``orders``: nothing is replaced; orders are added,
     the share of as many as there are sentences about the target that name a place, and at most eight, less those that
     send to what the home has not. What is taken is drawn by the episode's id, so a larger share has more of the same.
 
