@@ -12,7 +12,7 @@ from ucon.core.errors import ConfigError, DataError, EpisodeError
 from ucon.envs.knowledge import HabitSource
 from ucon.envs.told.edits import Edit, Edits, save_edits
 from ucon.envs.told.falsehoods import Falsehoods, place_now, things_of
-from ucon.envs.told.orders import ordered_places, with_orders
+from ucon.envs.told.orders import ordered_places, orders_for, with_orders
 from ucon.envs.ucon_env import UcONEnv
 from ucon.habits import book
 from ucon.habits.types import HabitDataset
