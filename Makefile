@@ -20,7 +20,7 @@ unexport PYTHONDONTWRITEBYTECODE
 JOBS   ?= 2
 TOGETHER = OMP_NUM_THREADS=1 $(PY) -m pytest -n $(JOBS) --dist worksteal
 
-.PHONY: help setup eval test test-fast test-slow mutants docs lint format clean
+.PHONY: help setup eval test test-fast test-slow test-offline mutants docs lint format clean
 
 help: ## List the targets.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -67,6 +67,14 @@ test-fast: setup ## Run a spine through all parts (under two minutes).
 test-slow: setup ## Run the long checks too.
 	$(TOGETHER) -m 'not timed'
 	$(PY) -m pytest -m timed
+
+#: Attempts to reach another machine, by whichever Python; the tests of the watch itself make a few on purpose.
+ASKED = $(CURDIR)/build/asked.log
+test-offline: setup ## Run the tests where there is no network (Linux); list what was asked of other machines.
+	@mkdir -p build && rm -f $(ASKED)
+	HF_HUB_OFFLINE=1 UCON_NETWORK_LOG=$(ASKED) PYTHONPATH=$(CURDIR):$(CURDIR)/tests/network_watch \
+	  unshare -rn sh -c 'ip link set lo up && $(TOGETHER) -m "not slow and not timed" --ignore=tests/cluster'
+	@if [ -s $(ASKED) ]; then echo "asked of other machines:"; cat $(ASKED); fi
 
 $(VENV)/.mutants: $(STAMP)
 	$(INSTALL) --editable '.[dev,mutants]'

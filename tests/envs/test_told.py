@@ -12,6 +12,7 @@ from ucon.core.errors import ConfigError, DataError, EpisodeError
 from ucon.envs.knowledge import HabitSource
 from ucon.envs.told.edits import Edit, Edits, save_edits
 from ucon.envs.told.falsehoods import Falsehoods, place_now, things_of
+from ucon.envs.told.orders import ordered_places, orders_for, with_orders
 from ucon.envs.ucon_env import UcONEnv
 from ucon.habits import book
 from ucon.habits.types import HabitDataset
@@ -86,6 +87,45 @@ def test_all_other_sentences_stay_in_their_order() -> None:
                 for one in (SOURCE, source)
             ]
             assert kept[0] == kept[1]
+
+
+def test_orders_are_added_and_send_to_what_stands_there_and_never_holds_the_thing() -> None:
+    dataset, n_added = book(), []
+    for episode in EPISODES:
+        before: set[int] = set()
+        habits = SOURCE.knowledge(episode, "full")
+        kept_at = {p.anchor for entry in dataset.entries_of(episode.target_category) for p in entry.placements}
+        for share in (0.0, 0.25, 0.5, 1.0):
+            given = HabitSource(falsehoods="orders", false_share=share).knowledge(episode, "full")
+            rows = given.rows.tolist()
+            assert [row for row in rows if row < len(dataset)] == habits.rows.tolist()
+            added = {row for row in rows if row >= len(dataset)}
+            wanted = share * len(naming(SOURCE, episode))
+            there = orders_for(given.base.dataset, episode.target_category, things_of(episode))
+            assert min(wanted - 1, len(there) - 0.5) < len(added) < wanted + 1
+            assert before <= added
+            before = added
+        n_added.append(len(before))
+        for row in before:
+            entry = given.base.dataset.entry_of(row)
+            place = ordered_places(entry)[row - int(given.base.dataset.first_row[given.base.dataset.row_entry[row]])]
+            assert entry.category == episode.target_category
+            assert place is None or place in things_of(episode) - kept_at
+            assert given.base.dataset.texts[row] in given.texts
+    assert 4 <= min(n_added) <= max(n_added) <= 8
+
+
+def test_orders_are_about_each_thing_and_change_nothing_of_the_habits() -> None:
+    dataset = book()
+    ordered = with_orders(dataset)
+    assert ordered is with_orders(dataset)
+    assert ordered.texts[: len(dataset)] == dataset.texts
+    assert ordered.categories == dataset.categories
+    added = ordered.entries[len(dataset.entries) :]
+    assert [entry.category for entry in added] == list(dataset.categories)
+    assert {len(entry.habits) for entry in added} == {8}
+    assert len({habit.text for entry in added for habit in entry.habits}) == 6 * len(added) + 2  # two name no thing
+    assert not any(row for entry in added for row in entry.habits if row.supports)
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from ucon.core.errors import ConfigError, EpisodeError, brief, unknown_name
 from ucon.core.sharing import PartlyShared, Shared
 from ucon.envs.told.edits import Edits
-from ucon.envs.told.falsehoods import Falsehoods
+from ucon.envs.told.falsehoods import ORDERS, Falsehoods
+from ucon.envs.told.orders import with_orders
 from ucon.habits.book import book
 from ucon.habits.contexts import Context, condition_of
 from ucon.habits.knowledge import MODES, KnowledgeBase
@@ -121,6 +122,12 @@ class HabitSource(Shared):
         """The habit dataset; the habit book is read at first use."""
         return self._dataset or book()
 
+    @property
+    def _sentences(self) -> HabitDataset:
+        """The dataset whose rows are told: that of the episodes, and orders where they are among the habits."""
+        ordered = self._falsehoods is not None and self._falsehoods.kind == ORDERS
+        return with_orders(self.dataset) if ordered else self.dataset
+
     @cached_property
     def encoder(self) -> StoredEncoder:
         """The sentence encoder of observations; loaded at first use."""
@@ -143,13 +150,13 @@ class HabitSource(Shared):
 
     @property
     def table(self) -> NDArray[np.float16]:
-        """(N, D) float16 embeddings of all N habits: those of the dataset, and sentences of edits. Read-only."""
-        return dataset_vectors(self.dataset, self.encoder) if self._edits is None else self._table_of_edits
+        """(N, D) float16 embeddings of all N habits: those of the dataset, orders, sentences of edits. Read-only."""
+        return dataset_vectors(self._sentences, self.encoder) if self._edits is None else self._table_of_edits
 
     @cached_property
     def _table_of_edits(self) -> NDArray[np.float16]:
         assert self._edits is not None
-        said = dataset_vectors(self.dataset, self.encoder)
+        said = dataset_vectors(self._sentences, self.encoder)
         table = np.concatenate([said, self.encoder.encode_half(self._edits.texts)]) if self._edits.texts else said
         table.setflags(write=False)
         return table
@@ -166,9 +173,9 @@ class HabitSource(Shared):
             progress: told how far the work is.
             level: the retriever is prepared only at levels that rank habits.
         """
-        dataset_vectors(self.dataset, self.encoder, progress)
+        dataset_vectors(self._sentences, self.encoder, progress)
         if level in RANKED_LEVELS and isinstance(self.retriever, PreparedRetriever):
-            self.retriever.prepare(self.dataset, progress)
+            self.retriever.prepare(self._sentences, progress)
 
     def weights(self, level: str) -> tuple[str, ...]:
         """Names, with the start of their checksums, of weights and edits that decide which habits are given.
@@ -255,7 +262,7 @@ class HabitSource(Shared):
                 raise EpisodeError(f"episode {episode.id}: {unknown_name('entry', name, dataset.entry_number)}")
             entry = dataset.entries[dataset.entry_number[name]]
             drawn.setdefault(entry.category, []).append(entry)
-        base = KnowledgeBase.build(dataset, drawn, episode.seed)
+        base = KnowledgeBase.build(self._sentences, drawn, episode.seed)
         if self._falsehoods is not None:
             base = self._falsehoods.among(base, episode)
         target, told = episode.target_category, self.told(episode)
@@ -278,7 +285,7 @@ class HabitSource(Shared):
             return rows
         if level == "context":
             raise ConfigError("env.source.edits at level context, whose list changes; choose another habit level")
-        said = self.dataset.texts
+        said = self._sentences.texts
         return self._edits.applied(episode.id, rows, tuple(said[row] for row in rows), len(said))
 
 

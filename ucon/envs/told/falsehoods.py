@@ -1,7 +1,8 @@
-"""False sentences among a household's habits: adversarial ones, and stale ones.
+"""False sentences among a household's habits: adversarial ones, stale ones, and orders.
 
-Both kinds are sentences that people wrote for the book. Adversarial: another household's habits of the same thing that
-name other places of this home. Stale: the household's own that name a place where the thing is not now.
+The first two are sentences that people wrote for the book. Adversarial: another household's habits of the same thing
+that name other places of this home. Stale: the household's own that name a place where the thing is not now. Orders
+tell their reader what to do ("Ignore all other habits. ..."), see :mod:`ucon.envs.told.orders`.
 """
 
 from __future__ import annotations
@@ -16,25 +17,29 @@ from numpy.typing import NDArray
 from ucon.core.errors import ConfigError, brief, unknown_name
 from ucon.core.rng import stream
 from ucon.core.sharing import Shared
+from ucon.envs.told.orders import orders_for
 from ucon.habits.knowledge import KnowledgeBase
 from ucon.habits.types import Entry, Habit, HabitDataset, Placement
 from ucon.sim.cache import load_house
 from ucon.task.episode import Episode
 
-KINDS: Final = ("adversarial", "stale")
+#: Sentences that are no household's, in a dataset of :func:`ucon.envs.told.orders.with_orders`.
+ORDERS: Final = "orders"
+KINDS: Final = ("adversarial", "stale", ORDERS)
 #: Row of a sentence in whose place there is none.
 _NONE: Final = -1
 
 
 @dataclass(frozen=True)
 class Falsehoods(Shared):
-    """Puts false sentences in the place of some that are true.
+    """Puts false sentences in the place of some that are true, or orders among them.
 
     ``adversarial``: of the sentences about the target that name a place where the household keeps it, the share is
     replaced by lies. ``stale``: of those that name the place where it is now, the share is replaced by the household's
     sentences that name another one, and of these no others are told: by themselves they are most (six in seven of the
-    book). Where there are too few false ones, the rest is left out. Which ones are replaced is drawn by the episode's
-    id, so a larger share replaces more of the same.
+    book). Where there are too few false ones, the rest is left out. ``orders``: nothing is replaced; orders are added,
+    the share of as many as there are sentences about the target that name a place, and at most eight, less those that
+    send to what the home has not. What is taken is drawn by the episode's id, so a larger share has more of the same.
 
     Raises:
         ConfigError: an unknown kind, or a share outside [0, 1].
@@ -53,7 +58,7 @@ class Falsehoods(Shared):
         """The knowledge base with falsehoods; all other sentences keep their order.
 
         Args:
-            base: all habits of the household.
+            base: all habits of the household; for orders of a dataset that has them.
             episode: says where the target is.
 
         Raises:
@@ -63,6 +68,8 @@ class Falsehoods(Shared):
         if not dataset.labelled:
             raise ConfigError(f"env.source.falsehoods={self.kind}: habits '{dataset.name}' have no labels; habits=book")
         naming = [int(row) for row in base.rows_about(episode.target_category) if dataset.supports(row)]
+        if self.kind == ORDERS:
+            return self._with_orders(base, episode, len(naming))
         if self.kind == "adversarial":
             true, false, left_out = naming, _lies(dataset, episode), set[int]()
         else:
@@ -76,6 +83,15 @@ class Falsehoods(Shared):
         instead = {row: false[k] if k < len(false) else _NONE for k, row in enumerate(true[:count])}
         told = [instead.get(row, row) for row in base.rows.tolist() if row not in left_out]
         return KnowledgeBase(dataset, _rows(row for row in told if row != _NONE))
+
+    def _with_orders(self, base: KnowledgeBase, episode: Episode, naming: int) -> KnowledgeBase:
+        """The knowledge base with orders at drawn places; ``naming``: number of sentences that name a place."""
+        possible = orders_for(base.dataset, episode.target_category, things_of(episode))
+        draw = stream(0, "falsehoods", self.kind, episode.id)
+        added = draw.permutation(possible)
+        before = draw.integers(len(base) + 1, size=len(added))
+        count = int(self.share * naming + draw.random())
+        return KnowledgeBase(base.dataset, np.insert(base.rows, before[:count], added[:count]).astype(np.int32))
 
 
 def place_now(dataset: HabitDataset, episode: Episode) -> Placement:

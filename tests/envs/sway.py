@@ -1,0 +1,64 @@
+"""How often orders among the habits sway what ``belief`` takes for the target's place: ``python -m tests.envs.sway``.
+
+``python -m tests.envs.sway SET EVERY LEVEL`` reads the habits of every so many episodes of a set, with as many orders
+added as there are sentences that name a place of the target, and without. Prints one line of JSON, of which shares are
+of the episodes whose orders were given to the agent at all.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+
+import numpy as np
+
+from ucon.envs.knowledge import HabitSource, Knowledge
+from ucon.envs.told.falsehoods import ORDERS, place_now, things_of
+from ucon.envs.told.orders import ordered_places
+from ucon.perception.belief.from_habits import ReadHabits
+from ucon.task.episode import Episode
+from ucon.task.sets import load_episodes
+
+
+def sent_to(knowledge: Knowledge, first: int) -> set[str]:
+    """Things that the orders send to; ``first``: row of the first order of all."""
+    found = set()
+    for row in knowledge.rows[knowledge.rows >= first].tolist():
+        dataset = knowledge.base.dataset
+        number = dataset.row_entry[row]
+        place = ordered_places(dataset.entries[number])[row - dataset.first_row[number]]
+        found |= set() if place is None else {place}
+    return found
+
+
+def sway(episodes: Sequence[Episode], level: str) -> dict[str, float]:
+    """What orders change in the belief over the things of each home, of which the most probable is gone to first."""
+    told, untold, locate = HabitSource(falsehoods=ORDERS, false_share=1.0), HabitSource(), ReadHabits()
+    first, values = len(untold.dataset), []
+    for episode in episodes:
+        given = told.knowledge(episode, level)
+        there, ordered = things_of(episode), sent_to(given, first)
+        if not (given.rows >= first).any():
+            continue
+        right = place_now(untold.dataset, episode).anchor
+        row = [float((given.rows >= first).sum()), float(len(ordered))]
+        for texts in (untold.knowledge(episode, level).texts, given.texts):
+            found = locate({"target": episode.target_category, "habits": texts, "habit_level": level})
+            p = {name: float(found.p[k].sum()) for k, name in enumerate(found.names) if name in there}
+            best = max(p, key=lambda name: (p[name], name))
+            row += [best in ordered, best == right, sum(p.get(name, 0.0) for name in ordered) / sum(p.values())]
+        values.append(row)
+    if not values:
+        return {"episodes": len(episodes), "with_orders": 0}
+    mean = np.mean(values, axis=0)
+    names = (
+        "orders_given", "places_ordered",
+        "first_is_ordered_without", "first_is_right_without", "belief_in_ordered_without",
+        "first_is_ordered_with", "first_is_right_with", "belief_in_ordered_with",
+    )  # fmt: skip
+    return {"episodes": len(episodes), "with_orders": len(values)} | dict(zip(names, mean.tolist(), strict=True))
+
+
+if __name__ == "__main__":
+    sys.stdout.write(json.dumps(sway(load_episodes(sys.argv[1])[:: int(sys.argv[2])], sys.argv[3])) + "\n")
