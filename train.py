@@ -83,7 +83,8 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
         with closing(learner), sole_writer(chosen.folder), pools_from(runner.pool):
             summary, seconds = _trained(chosen, learner, plan, resolved)
     except Interrupted as stop:
-        print(f"stopped after step {stop.step}, saved; go on with resume={chosen.folder}", file=sys.stderr)
+        then = "; what was begun after it is done again" if stop.abandoned else ""
+        print(f"stopped after step {stop.step}, saved{then}; go on with resume={chosen.folder}", file=sys.stderr)
         sys.exit(128 + stop.number)
     figures = "  ".join(f"{name} {value:g}" for name, value in summary["best"].items())
     print(f"best validation: {figures}\n{seconds:.1f} s; model and card in {chosen.folder}")

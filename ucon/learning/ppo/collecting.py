@@ -6,6 +6,7 @@ Every collection begins with fresh episodes and a given seed, so it depends only
 from __future__ import annotations
 
 import atexit
+import contextlib
 import copy
 import functools
 import os
@@ -164,7 +165,11 @@ class ExperienceCollector:
             atexit.register(self.close)  # else Python would wait at exit for the workers
         self._playing.load_state_dict(self._policy.state_dict())
         question = functools.partial(self._collected, seed)
-        return ask(question, self._collecting.worker_timeout_s, self._workers, "collector.worker_timeout_s")
+        try:
+            return ask(question, self._collecting.worker_timeout_s, self._workers, "collector.worker_timeout_s")
+        except BaseException:
+            self._kill()
+            raise
 
     def _collected(self, seed: int) -> TensorDictBase:
         """Update the weights, set the seeds and take the next batch."""
@@ -176,6 +181,12 @@ class ExperienceCollector:
 
     def _workers(self) -> list[BaseProcess]:
         return list(getattr(self._collector, "procs", ()))
+
+    def _kill(self) -> None:
+        """Kill workers that are in the middle of a collection, which is not needed: closing would wait for its end."""
+        for worker in self._workers():
+            with contextlib.suppress(ValueError):  # it was closed
+                worker.kill()
 
     def close(self) -> None:
         """End the workers; a later collection starts new ones."""
