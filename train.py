@@ -33,6 +33,7 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
+from ucon.configuration.early_checks import check_early
 from ucon.configuration.wiring import Factory
 from ucon.core.memory import keep_freed_memory
 from ucon.core.pool import pools_from
@@ -70,9 +71,10 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
     """
     chosen = chosen_run(cfg, overrides, swept)
     config: dict[str, Any] = chosen.config
+    plan = Plan.of(config["training"])  # check first: building the learner takes seconds, and so does importing torch
+    check_early(config["learner"])
     use_threads(config["threads"])
     keep_freed_memory()
-    plan = Plan.of(config["training"])  # check first: building the learner takes seconds
     check_wandb(config["wandb"])
     runner: Runner = Factory(config["runner"])()
     learner = Factory(config["learner"])()
@@ -83,7 +85,8 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
         with closing(learner), sole_writer(chosen.folder), pools_from(runner.pool):
             summary, seconds = _trained(chosen, learner, plan, resolved)
     except Interrupted as stop:
-        print(f"stopped after step {stop.step}, saved; go on with resume={chosen.folder}", file=sys.stderr)
+        then = "; what was begun after it is done again" if stop.abandoned else ""
+        print(f"stopped after step {stop.step}, saved{then}; go on with resume={chosen.folder}", file=sys.stderr)
         sys.exit(128 + stop.number)
     figures = "  ".join(f"{name} {value:g}" for name, value in summary["best"].items())
     print(f"best validation: {figures}\n{seconds:.1f} s; model and card in {chosen.folder}")

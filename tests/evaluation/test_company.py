@@ -52,7 +52,7 @@ def dies():
     [
         (fails, WorkerError, r"(?s)failed:.*in fails.*the agent's own bug"),
         (complains, ConfigError, "^agent: weights missing; train it$"),
-        (dies, WorkerError, "died with exit code 7"),
+        (dies, WorkerError, r"died with exit code 7 .*, as did others: 3 workers began"),
     ],
 )
 def test_failures_of_workers_reach_the_user(spec, episodes, agent, error, message):

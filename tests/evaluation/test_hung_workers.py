@@ -1,4 +1,4 @@
-"""Workers that stop answering: real processes that stop themselves, once or always, and in the middle of a message."""
+"""Workers that stop answering or die: real processes that do it themselves, once or always, or in mid-message."""
 
 import math
 import os
@@ -16,7 +16,7 @@ from models.agents.random import RandomAgent
 from ucon.core.errors import ConfigError, EpisodeError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.evaluation.kept.record import to_lines
-from ucon.evaluation.playing.crew import WorkerPool
+from ucon.evaluation.playing.crew import WorkerError, WorkerPool
 from ucon.evaluation.playing.play import RunSpec
 from ucon.evaluation.playing.runner import evaluate
 from ucon.task.sets import load_episodes
@@ -27,17 +27,17 @@ pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no signa
 
 
 class Stops(RandomAgent):
-    """Stops its process in one episode, as long as fewer processes than ``times`` have done so."""
+    """Stops or kills its process in one episode, as long as fewer processes than ``times`` have done so."""
 
-    def __init__(self, folder: Path, target: str, times: int) -> None:
+    def __init__(self, folder: Path, target: str, times: int, number: int = signal.SIGSTOP) -> None:
         super().__init__(seed=4, done_probability=0.05)
-        self._folder, self._target, self._times = folder, target, times
+        self._folder, self._target, self._times, self._number = folder, target, times, number
 
     def reset(self, infos, slots=None):
         super().reset(infos, slots)
         if any(info["target"] == self._target for info in infos) and len(list(self._folder.iterdir())) < self._times:
             (self._folder / str(os.getpid())).touch()
-            os.kill(os.getpid(), signal.SIGSTOP)
+            os.kill(os.getpid(), self._number)
 
 
 class StopsInMessage(RandomAgent):
@@ -98,6 +98,27 @@ def test_a_worker_that_stops_once_is_replaced_and_changes_no_record(impatient, a
     assert told.count("warning: ucon-eval-") == 1
     assert EPISODES[3].id in told
     assert "worker_timeout_s" in told
+
+
+@pytest.mark.parametrize(("batch", "workers"), [(1, 2), pytest.param(2, 1, marks=pytest.mark.slow)])
+def test_a_worker_that_is_killed_once_is_replaced_and_changes_no_record(alone, tmp_path, capfd, batch, workers):
+    agent = partial(Stops, tmp_path, target(3), 1, signal.SIGKILL)
+    assert lines(evaluate(spec(agent, batch=batch), EPISODES, workers=workers)) == alone
+    told = capfd.readouterr().err
+    assert told.count("warning: ucon-eval-") == told.count("\n") == 1
+    assert "died with exit code -9" in told
+    assert EPISODES[3].id in told
+
+
+def test_an_episode_that_kills_every_worker_ends_the_run_and_what_is_finished_is_kept(tmp_path):
+    kept = []
+    agent = partial(Stops, tmp_path, target(1), 9, signal.SIGKILL)
+    with pytest.raises(WorkerError, match=r"died with exit code -9 .*: 3 workers began .*") as caught:
+        evaluate(spec(agent), EPISODES[:2], workers=2, on_played=kept.append)
+    assert f"began {EPISODES[1].id}; what is finished is kept" in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert {one.index for one in kept} <= {0}
+    assert len(list(tmp_path.iterdir())) == 3
 
 
 @pytest.mark.slow

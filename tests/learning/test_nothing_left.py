@@ -23,8 +23,10 @@ def train_until_lost(folder: str, number: int) -> None:
     """
     from tests.learning.tiny_ppo import tiny_ppo
     from ucon.learning.ppo.collecting import InWorkers
+    from ucon.learning.run import workers as workers_module
     from ucon.learning.run.workers import LearnerWorkerError
 
+    workers_module.MOST_REPLACED = 0
     learner = tiny_ppo(Path(folder), collector=InWorkers(2, worker_timeout_s=120.0), frames=8, levels=("none",))
     try:
         learner.step()

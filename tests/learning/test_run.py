@@ -64,7 +64,7 @@ def test_a_signal_saves_and_the_rest_is_the_same(whole, tmp_path, number, at, ca
         begun(tmp_path / "run", learner).run()
     assert (stop.value.step, stop.value.number) == (at, number)
     assert signal.getsignal(number) is handler
-    assert capsys.readouterr().err == "stopping after this step; Ctrl-C again aborts it at once\n"
+    assert capsys.readouterr().err == "stopping after this step, in 3 s at the latest; Ctrl-C again aborts it at once\n"
     again = TrainingRun(tmp_path / "run", Line(), PLAN, {"config": "x"})
     again.resume()
     assert again.step == at

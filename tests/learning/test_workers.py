@@ -94,7 +94,8 @@ def stop(processes, number):
         (signal.SIGKILL, r"\(process {pid}\): killed by signal 9, .*resume=RUN goes on"),
     ],
 )
-def test_who_gathers_experience_is_not_waited_for_for_ever(tmp_path, number, message):
+def test_who_gathers_experience_is_not_waited_for_for_ever(monkeypatch, tmp_path, number, message):
+    monkeypatch.setattr(workers_module, "MOST_REPLACED", 0)
     learner = tiny_ppo(tmp_path, collector=InWorkers(2, worker_timeout_s=120.0), frames=8, levels=("none",))
     try:
         learner.step()
@@ -116,7 +117,8 @@ def test_who_gathers_experience_is_not_waited_for_for_ever(tmp_path, number, mes
         pytest.param(signal.SIGKILL, r"\(process {pid}\): killed by signal 9, .*resume=RUN goes on", marks=SLOW),
     ],
 )
-def test_who_plays_ahead_of_learning_is_not_waited_for_for_ever(tmp_path, number, message):
+def test_who_plays_ahead_of_learning_is_not_waited_for_for_ever(monkeypatch, tmp_path, number, message):
+    monkeypatch.setattr(workers_module, "MOST_REPLACED", 0)
     learner = tiny_imitation(tmp_path, workers=1, worker_timeout_s=120.0, memory_gb=0.0)
     try:
         learner.step()

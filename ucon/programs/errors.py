@@ -6,19 +6,21 @@ import errno
 import inspect
 import os
 import re
+import signal
 import sys
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from types import FrameType
 from typing import Any, NoReturn
 
 from ucon.configuration.help_page import help_page
 from ucon.configuration.near_options import unknown_option
 from ucon.core.errors import UconError, unknown_name
 
-#: Exit codes: of errors that the user can mend, and of Ctrl-C (the shell's code).
-USER_ERROR, INTERRUPTED = 2, 130
+#: Exit codes: of errors that the user can mend, and of Ctrl-C and SIGTERM (the shell's codes).
+USER_ERROR, INTERRUPTED, TERMINATED = 2, 130, 143
 #: Error numbers that mean a problem of the disk, not a bug.
 _OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO)
 
@@ -29,6 +31,10 @@ _FLAGS = frozenset(
     {"--hydra-help", "--version", "--cfg", "--resolve", "--package", "--run", "--multirun", "--shell-completion"}
     | {"--config-path", "--config-name", "--config-dir", "--experimental-rerun", "--info"}
 )
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM, which ends a command as Ctrl-C does: worker processes are ended, and a line says how to go on."""
 
 
 def run_entry(main: Callable[[], Any], config_name: str) -> None:
@@ -52,6 +58,7 @@ def run_entry(main: Callable[[], Any], config_name: str) -> None:
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
 
+    signal.signal(signal.SIGTERM, _terminate)
     try:
         main()
     except (HydraException, OmegaConfBaseException) as error:
@@ -64,8 +71,8 @@ def run_entry(main: Callable[[], Any], config_name: str) -> None:
                 f"{error.filename}: cannot be made ({error.strerror}); give out=FOLDER that can be written", USER_ERROR
             )
         _end(explain(error, _configs(), config_name, sys.argv[1:]), USER_ERROR)
-    except KeyboardInterrupt:
-        _end("interrupted", INTERRUPTED)
+    except KeyboardInterrupt as stop:
+        _end_as_asked(stop)
 
 
 @contextmanager
@@ -97,8 +104,8 @@ def one_line_errors(config_name: str, swept: Path | None = None) -> Iterator[Non
             f"{where}: {error.strerror}; make room or mend permissions, {_what_is_kept(config_name)}",
             USER_ERROR,
         )
-    except KeyboardInterrupt:
-        _end(f"interrupted; {_what_is_kept(config_name)}", INTERRUPTED)
+    except KeyboardInterrupt as stop:
+        _end_as_asked(stop, f"; {_what_is_kept(config_name)}")
 
 
 @contextmanager
@@ -189,6 +196,16 @@ def _keys(node: Any, prefix: str = "") -> Iterator[str]:
             if not str(key).startswith("_"):
                 yield f"{prefix}{key}"
                 yield from _keys(value, f"{prefix}{key}.")
+
+
+def _terminate(number: int, frame: FrameType | None) -> NoReturn:
+    raise Terminated
+
+
+def _end_as_asked(stop: KeyboardInterrupt, kept: str = "") -> NoReturn:
+    """End the program after a signal."""
+    terminated = isinstance(stop, Terminated)
+    _end(f"{'terminated' if terminated else 'interrupted'}{kept}", TERMINATED if terminated else INTERRUPTED)
 
 
 def _end(message: str, code: int) -> NoReturn:

@@ -1,4 +1,4 @@
-"""Worker processes that play shares of the episodes, and are replaced when they stop answering.
+"""Worker processes that play shares of the episodes, and are replaced when they stop answering or die.
 
 A stopped process does not end when asked to, and may leave half a message in its pipe. So a thread for each worker
 reads
@@ -79,7 +79,7 @@ class WorkerPool:
         Raises:
             UconError: raised by a worker, unchanged.
             EpisodeError: an episode that no worker finished in time.
-            WorkerError: a worker failed in another way or died.
+            WorkerError: a worker failed in another way, or an episode is one in which every worker died.
         """
         for number, share in enumerate(shares):
             self._start(f"ucon-eval-{number}", share)
@@ -89,7 +89,7 @@ class WorkerPool:
                     yield from self._handle(worker, kind, content)
             for worker in list(self._working):
                 if worker.silent_s > self._limit_s(worker):
-                    self._replace(worker)
+                    self._replace_silent(worker)
 
     def close(self) -> None:
         """End all processes: idle ones by themselves, the others are killed."""
@@ -137,35 +137,59 @@ class WorkerPool:
         elif kind == "user":
             raise content
         elif kind == "gone":
-            worker.process.join(_END_S)
-            raise WorkerError(
-                f"{worker.process.name} died with exit code {worker.process.exitcode} (negative: signal; -9: often out "
-                "of memory); try fewer workers, or workers=0 to run in this process"
-            )
+            self._replace_dead(worker)
         else:
             raise WorkerError(f"{worker.process.name} failed:\n{content}")
 
     def _limit_s(self, worker: _Worker) -> float:
         return self._timeout_s * max(1, len(worker.left[: self._spec.batch]))
 
-    def _replace(self, worker: _Worker) -> None:
-        """Start a new process for the rest of a silent worker's share, unless an episode was tried too often."""
-        limit, name, running = self._limit_s(worker), worker.process.name, worker.left[: self._spec.batch]
-        self._working.remove(worker)
-        _kill(worker)
-        if not running:  # all played; only its last message was missing
-            return
-        self._failed.update(index for index, _ in running)
-        if worst := [episode.id for index, episode in running if self._failed[index] >= TRIES]:
+    def _replace_silent(self, worker: _Worker) -> None:
+        """Replace a worker that did not answer in time.
+
+        Raises:
+            EpisodeError: an episode was tried too often.
+        """
+        limit = self._limit_s(worker)
+        running, worst = self._ended_in(worker)
+        if worst:
             raise EpisodeError(
-                f"{', '.join(worst)}: not finished within {limit:g} s by any of {TRIES} workers; what is finished is "
+                f"{worst}: not finished within {limit:g} s by any of {TRIES} workers; what is finished is "
                 "kept, the same command goes on: play with workers=0 to see where it hangs, or raise worker_timeout_s"
             )
-        sys.stderr.write(
-            f"warning: {name} did not finish {', '.join(episode.id for _, episode in running)} within {limit:g} s "
-            "(worker_timeout_s); it is ended, and another one plays it again\n"
-        )
-        self._start(name, worker.left)
+        self._go_on(worker, f"did not finish {running} within {limit:g} s (worker_timeout_s); it is ended")
+
+    def _replace_dead(self, worker: _Worker) -> None:
+        """Replace a worker that died.
+
+        Raises:
+            WorkerError: an episode was tried too often.
+        """
+        worker.process.join(_END_S)
+        how = f"died with exit code {worker.process.exitcode} (negative: signal; -9: often out of memory)"
+        running, worst = self._ended_in(worker)
+        if worst:
+            raise WorkerError(
+                f"{worker.process.name} {how}, as did others: {TRIES} workers began {worst}; what is finished is kept, "
+                "the same command goes on; try fewer workers, or workers=0 to run in this process"
+            )
+        self._go_on(worker, f"{how} in {running}")
+
+    def _ended_in(self, worker: _Worker) -> tuple[str, str]:
+        """End a worker; names of the episodes that it was at, and of those among them that were tried too often."""
+        running = worker.left[: self._spec.batch]
+        self._working.remove(worker)
+        _kill(worker)
+        self._failed.update(index for index, _ in running)
+        worst = [episode.id for index, episode in running if self._failed[index] >= TRIES]
+        return ", ".join(episode.id for _, episode in running), ", ".join(worst)
+
+    def _go_on(self, worker: _Worker, how: str) -> None:
+        """Start a new process for the rest of a worker's share; nothing where only its last message was missing."""
+        name = worker.process.name
+        if worker.left:
+            sys.stderr.write(f"warning: {name} {how}, and another one plays it again\n")
+            self._start(name, worker.left)
 
 
 def _kill(worker: _Worker) -> None:

@@ -1,8 +1,7 @@
 """Distributes episodes over worker processes, of this machine or of a cluster, which changes no record.
 
 Workers are started from a fork server (or spawned where there is none), never by forking this process with its threads.
-A worker that fails ends the run with its traceback; one that dies, with its exit code; one that stops answering is
-replaced.
+A worker that fails ends the run with its traceback; one that dies or stops answering is replaced.
 """
 
 from __future__ import annotations
@@ -104,7 +103,7 @@ def evaluate(
     Raises:
         UconError: raised by a worker, unchanged.
         EpisodeError: no worker finished an episode in time.
-        WorkerError: a worker failed in another way or died.
+        WorkerError: a worker failed in another way, or an episode is one in which every worker died.
     """
     done = set(skip)
     jobs: list[Job] = [(i, episode) for i, episode in enumerate(episodes) if i not in done]

@@ -3,6 +3,9 @@
 Batches come in the order in which they are asked for, with the same content for any number of workers. Replays are
 kept compressed until the granted memory is full. None is ever evicted: learners pass over the same trajectories again
 and again, and evicting the oldest would make every look-up miss.
+
+What a worker plays depends on what it was asked for alone. So where one is lost, all are replaced, and those pieces of
+work that are not done are asked for again.
 """
 
 from __future__ import annotations
@@ -14,9 +17,12 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
 from functools import cached_property
+from itertools import count
 from multiprocessing.process import BaseProcess
 from typing import TYPE_CHECKING, Any, Final, Protocol, cast
+from weakref import WeakValueDictionary
 
 import numpy as np
 
@@ -25,7 +31,14 @@ from ucon.learning.imitation.kept_demonstrations import KeptDemonstrations
 from ucon.learning.imitation.replaying import Replayer
 from ucon.learning.imitation.trajectories import Replay, Trajectory
 from ucon.learning.policies.playing import Job
-from ucon.learning.run.workers import WORKER_TIMEOUT_S, ask, begin_worker, lost_worker
+from ucon.learning.run.workers import (
+    WORKER_TIMEOUT_S,
+    LearnerWorkerError,
+    Replacements,
+    ask,
+    begin_worker,
+    lost_worker,
+)
 
 if TYPE_CHECKING:
     from torch import nn
@@ -57,6 +70,20 @@ class Collector(Protocol):
 _replayer: Replayer | None = None
 _demonstrator: Demonstrator | None = None
 _collector: Collector | None = None
+
+
+@dataclass(eq=False)
+class _Asked:
+    """A piece of work that a worker was asked for."""
+
+    work: Callable[[Any], Any]
+    item: Any
+    answer: Future[Any]
+
+    @property
+    def lost(self) -> bool:
+        """Whether no worker will do it any more, or none has done it yet."""
+        return not self.answer.done() or isinstance(self.answer.exception(), BrokenProcessPool)
 
 
 class Feeder:
@@ -95,28 +122,39 @@ class Feeder:
         self._pool: ProcessPoolExecutor | None = None
         self._started: dict[int, BaseProcess] = {}
         """All workers started so far by process id; the pool itself forgets those that died."""
+        self._open: WeakValueDictionary[int, _Asked] = WeakValueDictionary()
+        """What workers were asked for and somebody waits for, by a running number."""
+        self._numbers = count()
+        self._replaced = Replacements()
+        self._n_workers = workers
         if workers:
-            self._pool = ProcessPoolExecutor(
-                workers,
-                mp_context=multiprocessing.get_context("spawn"),
-                initializer=_begin,
-                initargs=(copy.deepcopy(policy).cpu(), make_env, demonstrator, collector),
-            )
+            self._given = (copy.deepcopy(policy).cpu(), make_env, demonstrator, collector)
+            self._pool = self._made_pool()
+
+    def _made_pool(self) -> ProcessPoolExecutor:
+        spawn = multiprocessing.get_context("spawn")
+        return ProcessPoolExecutor(self._n_workers, mp_context=spawn, initializer=_begin, initargs=self._given)
 
     def close(self) -> None:
         """Kill the workers, drop what they were asked for, and close the environment.
 
         Later calls play in this process.
         """
+        self._open.clear()
         if self._pool is not None:
-            self._pool.shutdown(wait=False, cancel_futures=True)
-            for worker in self._workers():
-                worker.kill()  # it may be stopped (SIGSTOP); its results are not needed any more
+            self._end_workers(self._pool)
             self._pool = None
         self._play.close()
         for player in (self._demonstrator, self._collector):
             if player is not None:
                 player.close()
+
+    def _end_workers(self, pool: ProcessPoolExecutor) -> None:
+        """Kill them: they may be stopped (SIGSTOP), and what they are at is not needed any more."""
+        pool.shutdown(wait=False, cancel_futures=True)
+        for worker in self._workers():
+            worker.kill()
+        self._started = {}
 
     def forget(self) -> None:
         """Drop all replays that are kept in memory."""
@@ -163,10 +201,11 @@ class Feeder:
             has frozen networks.
 
         Raises:
-            LearnerWorkerError: a worker was killed, or did not answer within ``worker_timeout_s``.
+            LearnerWorkerError: a worker was killed, or did not answer within ``worker_timeout_s``, and workers were
+                replaced too often.
             DataError: a trajectory whose actions go on after the episode's end.
         """
-        waiting: deque[list[tuple[Trajectory | Job, Future[Played] | None]]] = deque()
+        waiting: deque[list[tuple[Trajectory | Job, _Asked | None]]] = deque()
         for batch in batches:
             waiting.append([self._submit(item) for item in batch])
             if len(waiting) > (_AHEAD if self._pool else 0):
@@ -174,7 +213,7 @@ class Feeder:
         for left in waiting:
             yield [self._receive(item, played) for item, played in left]
 
-    def _submit(self, item: Trajectory | Job) -> tuple[Trajectory | Job, Future[Played] | None]:
+    def _submit(self, item: Trajectory | Job) -> tuple[Trajectory | Job, _Asked | None]:
         """Submit what is not in memory to the workers, if there are any; jobs shown before become trajectories."""
         if isinstance(item, Job):
             item = self._shown.get(item) or item
@@ -182,19 +221,44 @@ class Feeder:
             return item, None
         return item, self._submitted(_work, item)
 
-    def _submitted(self, work: Callable[[Any], Any], item: Any) -> Future[Any]:
+    def _submitted(self, work: Callable[[Any], Any], item: Any) -> _Asked:
         """Have a worker call ``work(item)``."""
-        assert self._pool is not None
-        try:
-            asked = self._pool.submit(work, item)
-        except BrokenProcessPool:  # a pool that lost a worker accepts no more jobs
-            if lost := lost_worker(self._workers()):
-                raise lost from None
-            raise
-        self._started |= self._pool._processes or {}
-        return asked
+        while True:
+            try:
+                asked = _Asked(work, item, self._answer(work, item))
+            except BrokenProcessPool:  # a pool that lost a worker accepts no more jobs
+                self._replace(self._lost())
+                continue
+            self._open[next(self._numbers)] = asked
+            return asked
 
-    def _receive(self, item: Trajectory | Job, asked: Future[Played] | None) -> tuple[Trajectory, Replay]:
+    def _answer(self, work: Callable[[Any], Any], item: Any) -> Future[Any]:
+        """The answer of a worker, to come."""
+        assert self._pool is not None
+        answer = self._pool.submit(work, item)
+        self._started |= self._pool._processes or {}
+        return answer
+
+    def _lost(self) -> LearnerWorkerError:
+        """The error that names the worker whose death broke the pool."""
+        lost = lost_worker(self._workers(), killed_only=False)
+        return lost or LearnerWorkerError("a worker of unknown number died; what is saved is kept: resume=RUN goes on")
+
+    def _replace(self, lost: LearnerWorkerError) -> None:
+        """Start new workers, and ask them for everything that is not done.
+
+        Raises:
+            LearnerWorkerError: ``lost``, where they were replaced too often.
+        """
+        assert self._pool is not None
+        self._end_workers(self._pool)
+        self._replaced.count(lost)
+        self._pool = self._made_pool()
+        for _, asked in sorted(self._open.items()):
+            if asked.lost:
+                asked.answer = self._answer(asked.work, asked.item)
+
+    def _receive(self, item: Trajectory | Job, asked: _Asked | None) -> tuple[Trajectory, Replay]:
         """A trajectory and its replay, from memory, from ``asked``, or played now; kept if it still fits."""
         if isinstance(item, Trajectory) and (kept := self._kept.get(self._key(item))) is not None:
             return item, _unpacked(kept)
@@ -213,15 +277,20 @@ class Feeder:
             self._free_bytes -= len(packed)
             self._kept[key] = packed
 
-    def _result_of(self, played: Future[Any]) -> Any:
+    def _result_of(self, asked: _Asked) -> Any:
         """Wait for what a worker was asked for.
 
         Raises:
-            LearnerWorkerError: a worker was killed, or did not answer in time.
+            LearnerWorkerError: a worker was killed, or did not answer in time, and workers were replaced too often.
         """
-        if played.done() and played.exception() is None:
-            return played.result()
-        return ask(played.result, self._timeout_s, self._workers, _OPTION)
+        while asked.lost:
+            try:
+                ask(asked.answer.result, self._timeout_s, self._workers, _OPTION)
+            except BrokenProcessPool:
+                self._replace(self._lost())
+            except LearnerWorkerError as lost:
+                self._replace(lost)
+        return asked.answer.result()
 
     def _workers(self) -> list[BaseProcess]:
         return list(self._started.values())

@@ -1,18 +1,20 @@
 """Collects experience for PPO with TorchRL's collectors, in this process or in workers.
 
-Every collection begins with fresh episodes and a given seed, so it depends only on the weights and that seed.
+Every collection begins with fresh episodes and a given seed, so it depends only on the weights and that seed: where a
+worker was lost, all are replaced, and the collection is made again.
 """
 
 from __future__ import annotations
 
 import atexit
+import contextlib
 import copy
 import functools
 import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from multiprocessing.process import BaseProcess
-from typing import Any, Protocol, cast
+from typing import Any, Protocol
 
 # torchrl reads both when it is imported: seconds after which a worker that hangs is an error.
 os.environ.setdefault("MAX_IDLE_COUNT", "3600")
@@ -26,7 +28,14 @@ from torchrl.collectors import Collector, MultiSyncCollector
 from ucon.core.errors import ConfigError, brief
 from ucon.learning.policies.actor import rollout_actor
 from ucon.learning.ppo.rollout_env import rollout_env
-from ucon.learning.run.workers import WORKER_TIMEOUT_S, ask, begin_worker, check_timeout
+from ucon.learning.run.workers import (
+    WORKER_TIMEOUT_S,
+    LearnerWorkerError,
+    Replacements,
+    ask,
+    begin_worker,
+    check_timeout,
+)
 from ucon.task.episode import Episode
 
 MakeEnv = Callable[[], Any]
@@ -68,7 +77,7 @@ class InProcess:
 class InWorkers:
     """Collects in one environment in each of ``workers`` processes.
 
-    A collection that takes longer than ``worker_timeout_s`` seconds ends the run.
+    Workers that take longer than ``worker_timeout_s`` seconds for a collection are replaced, as those that die.
 
     Raises:
         ConfigError: a number out of range.
@@ -145,6 +154,7 @@ class ExperienceCollector:
         self._collecting, self._make, self._actor = collecting, make, rollout_actor(self._playing)
         self._collector: Any = None
         self._batches: Iterator[TensorDictBase] | None = None
+        self._replaced = Replacements()
 
     def collect(self, seed: int) -> TensorDictBase:
         """Play one collection with the policy's present weights.
@@ -156,26 +166,45 @@ class ExperienceCollector:
             (rows, steps) tensordict on the CPU.
 
         Raises:
-            LearnerWorkerError: a worker died, or the collection took too long.
+            LearnerWorkerError: a worker died, or the collection took too long, and workers were replaced too often.
         """
+        while True:
+            try:
+                return self._collect(seed)
+            except LearnerWorkerError as lost:
+                self.close()
+                self._replaced.count(lost)
+
+    def _collect(self, seed: int) -> TensorDictBase:
+        """Play one collection, with new workers where there are none."""
         if self._batches is None:
             self._collector = self._collecting.collector(self._make, self._actor, self.shape[1], self._homes)
             self._batches = iter(self._collector)
             atexit.register(self.close)  # else Python would wait at exit for the workers
         self._playing.load_state_dict(self._policy.state_dict())
-        question = functools.partial(self._collected, seed)
-        return ask(question, self._collecting.worker_timeout_s, self._workers, "collector.worker_timeout_s")
+        # Those of now: a thread that was given up must not ask the workers of a later collection.
+        question = functools.partial(self._collected, self._collector, self._batches, seed)
+        try:
+            return ask(question, self._collecting.worker_timeout_s, self._workers, "collector.worker_timeout_s")
+        except BaseException:
+            self._kill()
+            raise
 
-    def _collected(self, seed: int) -> TensorDictBase:
+    def _collected(self, collector: Any, batches: Iterator[TensorDictBase], seed: int) -> TensorDictBase:
         """Update the weights, set the seeds and take the next batch."""
-        self._collector.update_policy_weights_()
-        self._collector.set_seed(seed % (1 << 31))
+        collector.update_policy_weights_()
+        collector.set_seed(seed % (1 << 31))
         torch.manual_seed(seed)
-        batches = cast("Iterator[TensorDictBase]", self._batches)
         return next(batches).reshape(self.shape)
 
     def _workers(self) -> list[BaseProcess]:
         return list(getattr(self._collector, "procs", ()))
+
+    def _kill(self) -> None:
+        """Kill workers that are in the middle of a collection, which is not needed: closing would wait for its end."""
+        for worker in self._workers():
+            with contextlib.suppress(ValueError):  # it was closed
+                worker.kill()
 
     def close(self) -> None:
         """End the workers; a later collection starts new ones."""

@@ -108,6 +108,8 @@ class Checkpoints:
         if not _NAME.fullmatch(name):
             raise CheckpointError(f"{brief(name)}: no name of a checkpoint; {self._others()}")
         folder = self.folder / name
+        if not folder.exists() and (aside := _aside(folder)).is_dir():
+            aside.rename(folder)  # its process was killed between the two renames of _put
         try:
             content = _content(read_verified(folder / VALUES, _MOST_VALUES))
             if step_name(content.step) != name:
@@ -178,10 +180,16 @@ class Checkpoints:
 
     @staticmethod
     def _put(temporary: Path, final: Path) -> None:
-        """Rename the finished folder into place and flush the directory to disk."""
-        if final.is_dir():  # left by a run that was interrupted after writing it
-            shutil.rmtree(final)
+        """Rename the finished folder into place and flush the directory to disk.
+
+        One that is there already was left by a run that was interrupted after writing it, or has yet to be validated.
+        """
+        if replaced := final.is_dir():
+            shutil.rmtree(_aside(final), ignore_errors=True)
+            final.rename(_aside(final))  # `latest` may name it, so it stays until the other one is there
         temporary.rename(final)
+        if replaced:
+            shutil.rmtree(_aside(final), ignore_errors=True)
         handle = os.open(final.parent, os.O_RDONLY)
         try:
             os.fsync(handle)
@@ -260,6 +268,11 @@ def _content(raw: bytes) -> _Content:
     if not (hashes and steps and isinstance(content.values, dict)):
         raise DataError(f"{VALUES} does not say what it should")
     return content
+
+
+def _aside(folder: Path) -> Path:
+    """Where a checkpoint is while another one takes its place."""
+    return folder.with_name(f".{folder.name}.replaced")
 
 
 def _is_step(value: Any) -> bool:

@@ -99,7 +99,7 @@ class ImitationOptions(PolicyOptions):
     Args:
         batch: episodes of one step; ``auto``: the demonstrator's number, four times as many on a GPU.
         workers: processes that play episodes ahead; 0 plays them in this one. The result does not depend on it.
-        worker_timeout_s: seconds that workers may take for the next batch; then they and the run are ended.
+        worker_timeout_s: seconds that workers may take for the next batch; then they are replaced.
         memory_gb: memory for replays, compressed, that are kept for the next epoch.
     """
 

@@ -22,6 +22,8 @@ class TrainerState:
     best: dict[str, float] = field(default_factory=dict)
     """Figures by name, with ``step`` and ``score`` among them; empty before the first validation."""
     extended: tuple[Extension, ...] = ()
+    pending: bool = False
+    """Whether this state has yet to be validated: a signal came in the middle of that."""
 
     @property
     def best_step(self) -> int | None:
@@ -29,8 +31,10 @@ class TrainerState:
         return int(self.best["step"]) if self.best else None
 
     def to_json(self) -> dict[str, Any]:
-        """Plain values; ``extended`` is left out where there are no extensions."""
-        more = {"extended": [one.to_json() for one in self.extended]} if self.extended else {}
+        """Plain values; ``extended`` is left out where there are no extensions, ``pending`` where nothing is."""
+        more: dict[str, Any] = {"extended": [one.to_json() for one in self.extended]} if self.extended else {}
+        if self.pending:
+            more["pending"] = True
         return {"best": self.best, **more}
 
     @classmethod
@@ -51,7 +55,7 @@ class TrainerState:
         if best and not (SCORE in best and type(at) is int and 0 <= at <= step):
             raise DataError("figures of the best checkpoint without its score and step")
         try:
-            return cls(best, extensions(values.get("extended", [])))
+            return cls(best, extensions(values.get("extended", [])), values.get("pending", False) is True)
         except ConfigError as error:
             raise DataError(str(error)) from None
 

@@ -11,15 +11,12 @@ seconds.json     time taken over all calls: the only file that differs between e
 
 from __future__ import annotations
 
+import copy
 import json
 import math
-import signal
-import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from types import FrameType
 from typing import Any, Final
 
 from ucon.core.errors import ConfigError, DataError
@@ -40,10 +37,13 @@ from ucon.learning.run.run_folder import (
     read_seconds,
 )
 from ucon.learning.run.run_plan import Plan
+from ucon.learning.run.stopping import Stopping, stopping
 from ucon.learning.run.trainer_state import SCORE, TrainerState
 
 #: A checkpoint may be this many times as large as the initial state, which has no optimiser moments yet.
 _MORE_TENSORS: Final = 16
+#: After a step of more seconds, the state before the next one is held in memory: that one may have to be abandoned.
+_SLOW_S: Final = 1.0
 
 OnFigures = Callable[[int, Mapping[str, float]], None]
 
@@ -52,13 +52,14 @@ class Interrupted(Exception):  # noqa: N818 (no error: the run was asked to stop
     """A signal stopped the run after its state was saved.
 
     Attributes:
-        step: steps done.
+        step: steps done and saved.
         number: of the signal.
+        abandoned: whether a step or validation was abandoned in the middle, to be done again.
     """
 
-    def __init__(self, step: int, number: int) -> None:
+    def __init__(self, step: int, number: int, *, abandoned: bool = False) -> None:
         super().__init__(step, number)
-        self.step, self.number = step, number
+        self.step, self.number, self.abandoned = step, number, abandoned
 
 
 class TrainingRun:
@@ -79,6 +80,11 @@ class TrainingRun:
         self.rescheduled = False
         """True where the run was extended and the learner's schedules depend on its length."""
         self._saved = -1
+        self._pending = True
+        """Whether the present state has yet to be validated: at the start, and where a validation was abandoned."""
+        self._held: tuple[int, State, bool] | None = None
+        """A copy of a state that is not saved: steps done, the state, and whether it has yet to be validated."""
+        self._step_s = 0.0
         self.best: dict[str, float] = {}
         """Step and validation figures of the best checkpoint; empty before the first validation."""
         self._seconds_before, self._started = 0.0, time.perf_counter()
@@ -130,7 +136,7 @@ class TrainingRun:
         trainer = self._trainer(state, step)
         plan = self.plan if steps is None else self.plan.extend(step, steps)
         self._load(state)
-        self.step, self.plan, self._saved = step, plan, step
+        self.step, self.plan, self._saved, self._pending = step, plan, step, trainer.pending
         self._keep_to_schedule()
         if checkpoint != LATEST:
             self.checkpoints.rewind(checkpoint)
@@ -176,39 +182,66 @@ class TrainingRun:
             Content of ``summary.json``.
 
         Raises:
-            Interrupted: SIGINT or SIGTERM; the state after the last whole step is saved.
+            Interrupted: SIGINT or SIGTERM; the state after the last whole step is saved. A step or validation that
+                does not end within :data:`~ucon.learning.run.stopping.GRACE_S` seconds is abandoned.
             DivergedError: a loss, gradient or validation figure that is not finite.
         """
         self._started = time.perf_counter()
-        with _signals() as caught:
-            self._begin(on_figures)
-            while self.step < self.plan.length and not caught:
-                self._one_step(on_figures)
+        with stopping() as stop:
+            try:
+                self._begin(stop, on_figures)
+                while self.step < self.plan.length and not stop.caught:
+                    self._one_step(stop, on_figures)
+            except BaseException as error:
+                if not stop.abandoned or isinstance(error, KeyboardInterrupt):
+                    raise
+                stop.settle()
+                self._save_held()
+                raise Interrupted(self._saved, stop.caught[0], abandoned=True) from None
             if self.step < self.plan.length:
                 if self._saved != self.step:
                     self._save()
-                raise Interrupted(self.step, caught[0])
+                raise Interrupted(self.step, stop.caught[0])
             return self._finish()
 
-    def _begin(self, on_figures: OnFigures) -> None:
-        """Validate the initial state of a new run."""
-        if self._saved < 0:
-            on_figures(self.step, self._validate())
+    def _begin(self, stop: Stopping, on_figures: OnFigures) -> None:
+        """Validate the state where that has yet to be done, such as the initial state of a new run."""
+        if self._pending:
+            on_figures(self.step, self._validate(stop))
 
-    def _one_step(self, on_figures: OnFigures) -> None:
+    def _one_step(self, stop: Stopping, on_figures: OnFigures) -> None:
         self._keep_to_schedule()
-        figures = self.learner.step()
+        if self._step_s > _SLOW_S and self._saved != self.step:
+            self._hold(pending=False)
+        begun = time.monotonic()
+        with stop.abandonable():
+            figures = self.learner.step()
+        self._step_s, self._held = time.monotonic() - begun, None
         self.step += 1
         self._log(figures)
         on_figures(self.step, figures)
         if self.plan.validates(self.step):
-            on_figures(self.step, self._validate())
+            on_figures(self.step, self._validate(stop))
         elif self.plan.saves(self.step):
             self._save()
 
-    def _validate(self) -> Figures:
+    def _hold(self, *, pending: bool) -> None:
+        """Keep a copy of the present state, since the learner is of no use after it was abandoned."""
+        state = self.learner.state_dict()
+        tensors = {name: tensor.detach().to("cpu", copy=True) for name, tensor in state.tensors.items()}
+        self._held = (self.step, State(tensors, copy.deepcopy(dict(state.values))), pending)
+
+    def _save_held(self) -> None:
+        """Save the copy; where there is none, the last checkpoint is what the run goes on from."""
+        if self._held is not None:
+            self._write(*self._held)
+
+    def _validate(self, stop: Stopping) -> Figures:
         """Validate, log and save; among equal scores the first stays the best."""
-        found = self.learner.validate()
+        self._hold(pending=True)
+        with stop.abandonable():
+            found = self.learner.validate()
+        self._pending, self._held = False, None
         if odd := next((name for name, value in found.items() if not math.isfinite(value)), None):
             from ucon.core.errors import DivergedError
 
@@ -221,11 +254,14 @@ class TrainingRun:
         return {f"val/{name}": value for name, value in found.items()}
 
     def _save(self) -> None:
-        state = self.learner.state_dict()
-        trainer = TrainerState(self.best, self.plan.followed(self.step))
+        self._write(self.step, self.learner.state_dict(), pending=False)
+
+    def _write(self, step: int, state: State, pending: bool) -> None:
+        """Write a checkpoint of the state after ``step`` steps."""
+        trainer = TrainerState(self.best, self.plan.followed(step), pending)
         values = {"learner": dict(state.values), "trainer": trainer.to_json()}
-        self._saved = self.step
-        self.checkpoints.save(self.step, State(state.tensors, values), best=trainer.best_step, planned=self.plan.saves)
+        self._saved = step
+        self.checkpoints.save(step, State(state.tensors, values), best=trainer.best_step, planned=self.plan.saves)
         self._write_seconds()
 
     @property
@@ -288,30 +324,3 @@ class TrainingRun:
         else:
             then = "no schedule depends on their number"
         return f"planned for {self.plan.steps} steps{more}; {then}"
-
-
-@contextmanager
-def _signals() -> Iterator[list[int]]:
-    """Context manager: SIGINT and SIGTERM are recorded, so that the loop ends after the present step.
-
-    A second SIGINT raises.
-    """
-    caught: list[int] = []
-
-    def remember(number: int, frame: FrameType | None) -> None:
-        if caught and number == signal.SIGINT:
-            raise KeyboardInterrupt
-        if not caught:
-            print("stopping after this step; Ctrl-C again aborts it at once", file=sys.stderr, flush=True)  # noqa: T201
-        caught.append(number)
-
-    try:
-        before = {number: signal.signal(number, remember) for number in (signal.SIGINT, signal.SIGTERM)}
-    except ValueError:  # not the main thread, where handlers cannot be set; the caller deals with signals
-        yield caught
-        return
-    try:
-        yield caught
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

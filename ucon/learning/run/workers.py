@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -27,11 +28,40 @@ MOST_WORKERS: Final = 1024
 #: Longest permitted limit in seconds; threads cannot wait much longer.
 _MOST_S: Final = 1e6
 
+#: How often the workers of a run are replaced; where they are lost more often, something is wrong that stays.
+MOST_REPLACED: Final = 3
+
 T = TypeVar("T")
 
 
 class LearnerWorkerError(UconError):
     """A worker was killed, ended, or did not answer in time."""
+
+
+class Replacements:
+    """Counts how often the workers of a run were replaced, and tells of each time."""
+
+    def __init__(self) -> None:
+        self.made = 0
+
+    def count(self, lost: LearnerWorkerError) -> None:
+        """Say in a line which worker was lost and that it is replaced.
+
+        Args:
+            lost: what happened to it.
+
+        Raises:
+            LearnerWorkerError: ``lost``, where workers were replaced :data:`MOST_REPLACED` times already.
+        """
+        what, then, advice = str(lost).partition(f"; {_KEPT}")
+        if self.made >= MOST_REPLACED:
+            again = f", after workers were replaced {self.made} times" if self.made else ""
+            raise LearnerWorkerError(f"{what}{again}{then}{advice}") from None
+        self.made += 1
+        sys.stderr.write(
+            f"warning: {what}; the workers are replaced ({self.made} of at most {MOST_REPLACED} times), "
+            "and what they had begun is done again\n"
+        )
 
 
 def begin_worker() -> None:

@@ -1,0 +1,108 @@
+"""SIGINT and SIGTERM of a training run: it ends after the present step, or within it where that takes too long.
+
+A step or validation that is still going on some seconds after the signal is abandoned by an exception in the main
+thread. Python delivers it between two instructions, so one long call into a library is waited for.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import Final
+
+#: Seconds after a signal in which the present step may end; the rest of five seconds is for saving.
+GRACE_S: Final = 3.0
+#: Seconds between two attempts to abandon a step: a finaliser or a callback of a library may swallow an exception.
+_AGAIN_S: Final = 0.5
+
+
+class AbandonedError(BaseException):
+    """A step or validation was abandoned in the middle; what it left of the learner must not be used."""
+
+
+class Stopping:
+    """What a run knows of the signals that it got.
+
+    Attributes:
+        caught: their numbers, in order.
+        abandoned: whether what went on was abandoned. Libraries may raise an error of their own in its wake.
+    """
+
+    def __init__(self) -> None:
+        self.caught: list[int] = []
+        self.abandoned = False
+        self._inside = False
+        self._deadline = float("inf")
+        self._over = threading.Event()
+
+    @contextmanager
+    def abandonable(self) -> Iterator[None]:
+        """Context manager: its body may be abandoned in the middle.
+
+        Raises:
+            AbandonedError: it went on, or began, more than :data:`GRACE_S` seconds after a signal.
+        """
+        if self._late():
+            self.abandoned = True
+            raise AbandonedError
+        self._inside = True
+        try:
+            yield
+        finally:
+            self._inside = False
+
+    def settle(self) -> None:
+        """Nothing is abandoned any more."""
+        self._inside = False
+        self._over.set()
+
+    def handle(self, number: int, frame: FrameType | None) -> None:
+        """Handler of both signals; a second SIGINT raises at once."""
+        if self._inside and self._late():
+            self.abandoned = True
+            raise AbandonedError
+        if self.caught and number == signal.SIGINT:
+            raise KeyboardInterrupt
+        if not self.caught:
+            told = f"stopping after this step, in {GRACE_S:g} s at the latest; Ctrl-C again aborts it at once\n"
+            sys.stderr.write(told)
+            sys.stderr.flush()
+            self._deadline = time.monotonic() + GRACE_S
+            threading.Thread(target=self._remind, args=(threading.get_ident(),), daemon=True).start()
+        self.caught.append(number)
+
+    def _late(self) -> bool:
+        return time.monotonic() >= self._deadline
+
+    def _remind(self, main: int) -> None:
+        """Signal the main thread again when the time is up, until it has left what it was in."""
+        wait_s = self._deadline - time.monotonic() + 0.01
+        while not self._over.wait(max(0.0, wait_s)):
+            if self._inside:
+                signal.pthread_kill(main, signal.SIGTERM)
+            wait_s = _AGAIN_S
+
+
+@contextmanager
+def stopping() -> Iterator[Stopping]:
+    """Context manager: SIGINT and SIGTERM are recorded inside it, where this is the main thread.
+
+    In another thread no handlers can be set; the caller deals with signals.
+    """
+    stop = Stopping()
+    try:
+        before = {number: signal.signal(number, stop.handle) for number in (signal.SIGINT, signal.SIGTERM)}
+    except ValueError:
+        yield stop
+        return
+    try:
+        yield stop
+    finally:
+        stop.settle()
+        for number, handler in before.items():
+            signal.signal(number, handler)
