@@ -83,7 +83,9 @@ class _Asked:
     @property
     def lost(self) -> bool:
         """Whether no worker will do it any more, or none has done it yet."""
-        return not self.answer.done() or isinstance(self.answer.exception(), BrokenProcessPool)
+        if not self.answer.done() or self.answer.cancelled():  # as what a pool had not begun when it was ended
+            return True
+        return isinstance(self.answer.exception(), BrokenProcessPool)
 
 
 class Feeder:
