@@ -43,6 +43,7 @@ from ucon.learning.run.learning_curve import learning_curve
 from ucon.learning.run.protocol import Learner
 from ucon.learning.run.run_plan import Plan
 from ucon.learning.run.run_progress import check_wandb, tensorboard_log, training_progress, wandb_log
+from ucon.learning.run.stopping import end_at_once
 from ucon.learning.run.trainer_state import SCORE
 from ucon.learning.run.training_run import Interrupted, OnFigures, TrainingRun
 from ucon.programs.errors import one_line_errors, run_entry
@@ -85,11 +86,16 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
         with closing(learner), sole_writer(chosen.folder), pools_from(runner.pool):
             summary, seconds = _trained(chosen, learner, plan, resolved)
     except Interrupted as stop:
-        then = "; what was begun after it is done again" if stop.abandoned else ""
-        print(f"stopped after step {stop.step}, saved{then}; go on with resume={chosen.folder}", file=sys.stderr)
+        print(_stopped(chosen, stop), file=sys.stderr)
         sys.exit(128 + stop.number)
     figures = "  ".join(f"{name} {value:g}" for name, value in summary["best"].items())
     print(f"best validation: {figures}\n{seconds:.1f} s; model and card in {chosen.folder}")
+
+
+def _stopped(chosen: ChosenRun, stop: Interrupted) -> str:
+    """The line about a run that a signal stopped."""
+    then = "; what was begun after it is done again" if stop.abandoned else ""
+    return f"stopped after step {stop.step}, saved{then}; go on with resume={chosen.folder}"
 
 
 def _trained(
@@ -123,7 +129,9 @@ def _trained(
             visible=config["progress"],
         ) as show,
     ):
-        return run.run(_each(show, log, write, draw)), run.seconds
+        return run.run(
+            _each(show, log, write, draw), lambda stop: end_at_once(_stopped(chosen, stop), 128 + stop.number)
+        ), run.seconds
 
 
 def _each(*sinks: OnFigures) -> OnFigures:

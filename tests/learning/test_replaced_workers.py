@@ -20,7 +20,10 @@ PLAN = Plan(steps=STEPS, validate_every=4, save_every=2)
 NOTICED_S = 10.0
 #: Limit for workers that hang, in seconds.
 PATIENCE_S = 4.0
-pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no signals that stop a process")
+pytestmark = [
+    pytest.mark.slow,  # workers take seconds to begin
+    pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no signals that stop a process"),
+]
 
 
 def imitation(episodes, workers=1):
@@ -105,12 +108,12 @@ def be_patient(crew):
 @pytest.mark.parametrize(
     ("make", "number"),
     [
-        pytest.param(imitation, signal.SIGKILL),
-        pytest.param(imitation, signal.SIGSTOP, marks=pytest.mark.slow),
-        pytest.param(dagger, signal.SIGKILL, marks=pytest.mark.slow),
-        pytest.param(dagger, signal.SIGSTOP, marks=pytest.mark.slow),
-        pytest.param(ppo, signal.SIGKILL, marks=pytest.mark.slow),
-        pytest.param(ppo, signal.SIGSTOP, marks=pytest.mark.slow),
+        (imitation, signal.SIGKILL),
+        (imitation, signal.SIGSTOP),
+        (dagger, signal.SIGKILL),
+        (dagger, signal.SIGSTOP),
+        (ppo, signal.SIGKILL),
+        (ppo, signal.SIGSTOP),
     ],
 )
 def test_a_worker_that_is_lost_is_replaced_and_the_bytes_are_the_same(
@@ -141,7 +144,6 @@ def test_a_worker_that_is_lost_is_replaced_and_the_bytes_are_the_same(
     assert [name for name in ours if ours[name] != theirs[name]] == []
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("make", [imitation, ppo])
 def test_workers_that_are_lost_again_and_again_end_the_run_in_one_line(tmp_path, episodes, make):
     learner, lost = make(episodes), []

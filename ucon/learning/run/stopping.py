@@ -1,19 +1,24 @@
 """SIGINT and SIGTERM of a training run: it ends after the present step, or within it where that takes too long.
 
-A step or validation that is still going on some seconds after the signal is abandoned by an exception in the main
-thread. Python delivers it between two instructions, so one long call into a library is waited for.
+A step or validation that is still going on some seconds after the signal is abandoned in the main thread: the state
+before it is saved in the signal's handler, and then an exception is raised. Python runs the handler between two
+instructions, so one long call into a library is waited for.
 """
 
 from __future__ import annotations
 
+import contextlib
+import multiprocessing
+import os
 import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from types import FrameType
-from typing import Final
+from typing import Final, NoReturn
 
 #: Seconds after a signal in which the present step may end; the rest of five seconds is for saving.
 GRACE_S: Final = 3.0
@@ -28,12 +33,16 @@ class AbandonedError(BaseException):
 class Stopping:
     """What a run knows of the signals that it got.
 
+    Args:
+        on_abandoned: called with the signal's number when something is abandoned, before an exception leaves it.
+
     Attributes:
         caught: their numbers, in order.
         abandoned: whether what went on was abandoned. Libraries may raise an error of their own in its wake.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, on_abandoned: Callable[[int], None]) -> None:
+        self._on_abandoned = on_abandoned
         self.caught: list[int] = []
         self.abandoned = False
         self._inside = False
@@ -48,8 +57,7 @@ class Stopping:
             AbandonedError: it went on, or began, more than :data:`GRACE_S` seconds after a signal.
         """
         if self._late():
-            self.abandoned = True
-            raise AbandonedError
+            self._abandon()
         self._inside = True
         try:
             yield
@@ -64,8 +72,7 @@ class Stopping:
     def handle(self, number: int, frame: FrameType | None) -> None:
         """Handler of both signals; a second SIGINT raises at once."""
         if self._inside and self._late():
-            self.abandoned = True
-            raise AbandonedError
+            self._abandon()
         if self.caught and number == signal.SIGINT:
             raise KeyboardInterrupt
         if not self.caught:
@@ -75,6 +82,13 @@ class Stopping:
             self._deadline = time.monotonic() + GRACE_S
             threading.Thread(target=self._remind, args=(threading.get_ident(),), daemon=True).start()
         self.caught.append(number)
+
+    def _abandon(self) -> NoReturn:
+        if not self.abandoned:
+            self.abandoned, self._inside = True, False  # no signal disturbs the saving
+            self._on_abandoned(self.caught[0])
+            self._inside = True
+        raise AbandonedError
 
     def _late(self) -> bool:
         return time.monotonic() >= self._deadline
@@ -89,12 +103,15 @@ class Stopping:
 
 
 @contextmanager
-def stopping() -> Iterator[Stopping]:
+def stopping(on_abandoned: Callable[[int], None]) -> Iterator[Stopping]:
     """Context manager: SIGINT and SIGTERM are recorded inside it, where this is the main thread.
 
     In another thread no handlers can be set; the caller deals with signals.
+
+    Args:
+        on_abandoned: see :class:`Stopping`.
     """
-    stop = Stopping()
+    stop = Stopping(on_abandoned)
     try:
         before = {number: signal.signal(number, stop.handle) for number in (signal.SIGINT, signal.SIGTERM)}
     except ValueError:
@@ -106,3 +123,34 @@ def stopping() -> Iterator[Stopping]:
         stop.settle()
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def end_at_once(message: str, code: int) -> NoReturn:
+    """End this process and its children without closing or finalising anything; may be called in a signal's handler.
+
+    Libraries that are left in the middle, such as a collector that starts its workers, wait long or for ever there.
+
+    Args:
+        message: a line for standard error.
+        code: exit code.
+    """
+    for child in multiprocessing.active_children():
+        child.kill()
+    for pid in _half_started():
+        with contextlib.suppress(OSError):
+            os.kill(pid, signal.SIGKILL)
+    shown = "\x1b[?25h" if sys.stderr.isatty() else ""  # the cursor, which a progress line may have hidden
+    with contextlib.suppress(RuntimeError):  # they were being written to
+        sys.stdout.flush()
+        sys.stderr.flush()
+    os.write(2, f"{shown}{message}\n".encode())
+    os._exit(code)
+
+
+def _half_started() -> Iterator[int]:
+    """Workers that multiprocessing does not know yet, by what Linux tells: they would print that they were left."""
+    for path in Path("/proc/self/task").glob("*/children"):
+        for pid in path.read_text().split():
+            with contextlib.suppress(OSError):
+                if b"multiprocessing.spawn" in Path(f"/proc/{pid}/cmdline").read_bytes():
+                    yield int(pid)

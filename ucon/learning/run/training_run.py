@@ -172,11 +172,17 @@ class TrainingRun:
         if self.plan.extended:
             self.rescheduled = self.learner.lengthen(self.plan.length_at(self.step))
 
-    def run(self, on_figures: OnFigures = lambda step, figures: None) -> dict[str, Any]:
+    def run(
+        self,
+        on_figures: OnFigures = lambda step, figures: None,
+        on_abandoned: Callable[[Interrupted], None] = lambda stop: None,
+    ) -> dict[str, Any]:
         """Train to the end and write the results. The initial state is validated before the first step.
 
         Args:
             on_figures: called with step and figures after each step and validation.
+            on_abandoned: called where a step or validation is abandoned, once the state before it is saved; it may end
+                the process, since leaving libraries in the middle may take long.
 
         Returns:
             Content of ``summary.json``.
@@ -187,7 +193,12 @@ class TrainingRun:
             DivergedError: a loss, gradient or validation figure that is not finite.
         """
         self._started = time.perf_counter()
-        with stopping() as stop:
+
+        def abandoned(number: int) -> None:
+            self._save_held()
+            on_abandoned(Interrupted(self._saved, number, abandoned=True))
+
+        with stopping(abandoned) as stop:
             try:
                 self._begin(stop, on_figures)
                 while self.step < self.plan.length and not stop.caught:
@@ -196,7 +207,6 @@ class TrainingRun:
                 if not stop.abandoned or isinstance(error, KeyboardInterrupt):
                     raise
                 stop.settle()
-                self._save_held()
                 raise Interrupted(self._saved, stop.caught[0], abandoned=True) from None
             if self.step < self.plan.length:
                 if self._saved != self.step:
