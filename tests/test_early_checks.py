@@ -13,8 +13,8 @@ from ucon.configuration.early_checks import OPTIONS, check_early
 from ucon.core.errors import ConfigError
 
 ROOT = Path(__file__).parents[1]
-#: Seconds of a processor, not of a clock: on a busy machine a command waits for others. Measured: 1.0 to 2.0, the aim; a
-#: slower processor gets half as much again.
+#: Seconds of a processor, not of a clock: on a busy machine a command waits for others. Measured: 1.0 to 2.0, the aim;
+#: a slower processor gets half as much again.
 MOST_S = 3.0
 CALLS = [
     ("eval.py", "agent=nonsense"),
