@@ -68,6 +68,7 @@ def test_many_homes_are_measured(monkeypatch: pytest.MonkeyPatch, capsys: pytest
     assert told.err.splitlines()[-1].startswith("bench: 3 of 3 parts")
 
 
+@pytest.mark.slow
 def test_learners_are_measured_with_each_number_of_workers(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

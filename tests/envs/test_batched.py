@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import pickle
 from typing import Any
 
 import numpy as np
@@ -180,8 +179,7 @@ def test_copies_of_an_environment_draw_elsewhere() -> None:
     seen = env.step(1)[0]
     assert seen["rgb"] is images[0]
     kept = images[0].copy()
-    for twin in (copy.deepcopy(env), pickle.loads(pickle.dumps(env))):
-        assert twin.step(1)[0]["rgb"] is not images[0]
-        assert (images[0] == kept).all()
+    assert copy.deepcopy(env).step(1)[0]["rgb"] is not images[0]
+    assert (images[0] == kept).all()
     env.draw_images_into(None)
     assert env.step(1)[0]["rgb"] is not images[0]

@@ -25,6 +25,7 @@ from ucon.learning.belief_head.draws import Draw, Draws, sample
 from ucon.learning.belief_head.households import KnowledgeBases, pair_folds
 from ucon.learning.belief_head.learner import CONFIG, PRIOR, WEIGHTS, BeliefLearner
 from ucon.learning.belief_head.losses import losses
+from ucon.learning.run.stopping import Stopping
 from ucon.learning.run.training_run import METRICS, Plan, TrainingRun
 from ucon.readers.sampled_homes import entry_kb, sampled_kb
 from ucon.retrieval.levels import FIXED_LEVELS
@@ -45,9 +46,9 @@ def test_a_resumed_run_is_bit_identical(tmp_path):
     whole.run()
     parts = TrainingRun(tmp_path / "parts", tiny_belief(), plan, {})
     parts.start("")
-    parts._begin(lambda step, figures: None)
+    parts._begin(Stopping(print), lambda step, figures: None)
     for _ in range(4):
-        parts._one_step(lambda step, figures: None)
+        parts._one_step(Stopping(print), lambda step, figures: None)
     again = TrainingRun(tmp_path / "parts", tiny_belief(), plan, {})
     again.resume()
     assert again.step == 4

@@ -17,6 +17,7 @@ from ucon.learning.policies.view_policy import ViewPolicy
 from ucon.learning.ppo.checks import collection_size
 from ucon.learning.ppo.clipped_loss import PPOLoss
 from ucon.learning.ppo.collecting import InWorkers
+from ucon.learning.run.stopping import Stopping
 from ucon.learning.run.training_run import METRICS, Plan, TrainingRun
 from ucon.task.reward import Reward
 
@@ -144,9 +145,9 @@ def test_workers_of_a_run_that_goes_on_give_the_same_bytes(learner, tmp_path):
     for run in runs:
         run.start("")
     runs[0].run()
-    runs[1]._begin(lambda step, figures: None)
+    runs[1]._begin(Stopping(print), lambda step, figures: None)
     for _ in range(2):
-        runs[1]._one_step(lambda step, figures: None)
+        runs[1]._one_step(Stopping(print), lambda step, figures: None)
     again = TrainingRun(tmp_path / "parts", made(), plan, {})
     again.resume()
     again.run()

@@ -18,6 +18,7 @@ from ucon.language.adapter import adapter_bytes, add_adapters, merge, read_adapt
 from ucon.language.encoder import MINILM_SHA256
 from ucon.learning.retriever.learner import PRODUCT, RetrieverLearner, info_nce, owner_loss, schedule
 from ucon.learning.run.protocol import State
+from ucon.learning.run.stopping import Stopping
 from ucon.learning.run.training_run import METRICS, Plan, TrainingRun
 from ucon.readers.sampled_homes import part_kb
 
@@ -47,9 +48,9 @@ def test_a_resumed_run_is_bit_identical(bert, tmp_path):
     whole.run()
     parts = TrainingRun(tmp_path / "parts", tiny_learner(bert), plan, {})
     parts.start("")
-    parts._begin(lambda step, figures: None)
+    parts._begin(Stopping(print), lambda step, figures: None)
     for _ in range(4):
-        parts._one_step(lambda step, figures: None)
+        parts._one_step(Stopping(print), lambda step, figures: None)
     again = TrainingRun(tmp_path / "parts", tiny_learner(bert), plan, {})
     again.resume()
     assert again.step == 4
