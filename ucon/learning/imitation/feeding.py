@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import copy
 import multiprocessing
+import time
 import zlib
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -68,6 +69,8 @@ class Collector(Protocol):
 
 
 _replayer: Replayer | None = None
+#: Looks for a dead worker, and seconds between them.
+_LOOKS, _LOOK_S = 20, 0.05
 _demonstrator: Demonstrator | None = None
 _collector: Collector | None = None
 
@@ -242,9 +245,16 @@ class Feeder:
         return answer
 
     def _lost(self) -> LearnerWorkerError:
-        """The error that names the worker whose death broke the pool."""
-        lost = lost_worker(self._workers(), killed_only=False)
-        return lost or LearnerWorkerError("a worker of unknown number died; what is saved is kept: resume=RUN goes on")
+        """The error that names the worker whose death broke the pool.
+
+        The pool's own thread waits for its dead at the same time, and until it has noted how one ended, that one looks
+        alive; so it is looked for some times.
+        """
+        for _ in range(_LOOKS):
+            if (lost := lost_worker(self._workers(), killed_only=False)) is not None:
+                return lost
+            time.sleep(_LOOK_S)
+        return LearnerWorkerError("a worker of unknown number died; what is saved is kept: resume=RUN goes on")
 
     def _replace(self, lost: LearnerWorkerError) -> None:
         """Start new workers, and ask them for everything that is not done.
