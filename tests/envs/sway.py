@@ -33,7 +33,7 @@ def sent_to(knowledge: Knowledge, first: int) -> set[str]:
 
 
 def sway(episodes: Sequence[Episode], level: str) -> dict[str, float]:
-    """What orders change in the belief over the things of each home, of which the most probable is gone to first."""
+    """Measure, by episode, how orders change the belief over the home's things; the most probable is gone to first."""
     told, untold, locate = HabitSource(falsehoods=ORDERS, false_share=1.0), HabitSource(), ReadHabits()
     first, values = len(untold.dataset), []
     for episode in episodes:

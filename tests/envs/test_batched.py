@@ -35,7 +35,7 @@ def actions_of(steps: int, *, done: float = 0.0) -> torch.Tensor:
 
 
 def played(env: BatchedUcONEnv, actions: torch.Tensor) -> Any:
-    """What a rollout over ends sees, (SLOTS, steps)."""
+    """A rollout that goes on over the ends of episodes, (SLOTS, steps)."""
     turn = iter(actions)
     return env.rollout(len(actions), lambda td: td.set("action", next(turn)), break_when_any_done=False)
 

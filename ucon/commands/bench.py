@@ -212,7 +212,7 @@ def measure_learning() -> dict[str, Any]:
 
 
 def measure_batches() -> dict[str, Any]:
-    """What TorchRL costs over many homes, what a second worker gives, and what larger images cost, by name."""
+    """Figures of ``--batched`` by name: cost of TorchRL, gain of a second worker, cost of larger images."""
     from ucon.core.progress import Progress
     from ucon.evaluation.bench_batched import STAGES, bench_batched
     from ucon.task.sets import load_episodes

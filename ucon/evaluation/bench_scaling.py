@@ -167,7 +167,7 @@ def _said(text: str, turn: int) -> str:
 
 
 class _Retrievers:
-    """What stays from reset to reset."""
+    """Retrievers that are kept over resets, with their indexes."""
 
     def __init__(self) -> None:
         self.dense, self.bm25 = DenseRetriever(), BM25Retriever()
@@ -185,7 +185,7 @@ def _shuffled(base: KnowledgeBase, number: int) -> KnowledgeBase:
 
 
 def _ranking(name: str, base: KnowledgeBase, retrievers: _Retrievers, context: Context = _TOLD) -> Rank:
-    """What ranks a knowledge base by a category's name."""
+    """A function that ranks a knowledge base for a category."""
     if name == "bm25":
         return lambda target: retrievers.bm25.rank(target, base)
     if name == "minilm":

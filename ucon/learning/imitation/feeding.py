@@ -128,7 +128,7 @@ class Feeder:
         self._started: dict[int, BaseProcess] = {}
         """All workers started so far by process id; the pool itself forgets those that died."""
         self._open: WeakValueDictionary[int, _Asked] = WeakValueDictionary()
-        """What workers were asked for and somebody waits for, by a running number."""
+        """Requests to workers whose answers are still awaited, by a running number."""
         self._numbers = count()
         self._replaced = Replacements()
         self._n_workers = workers

@@ -31,7 +31,7 @@ class AbandonedError(BaseException):
 
 
 class Stopping:
-    """What a run knows of the signals that it got.
+    """Signals that a run has received, and whether a step was abandoned for them.
 
     Args:
         on_abandoned: called with the signal's number when something is abandoned, before an exception leaves it.
