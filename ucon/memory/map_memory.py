@@ -30,7 +30,7 @@ class MapMemory:
         """The info for the agent's reset, with the map as ``kept_map``; see :class:`ucon.memory.protocol.Memory`."""
         target = str(info["target"])
         if self.map is None:
-            self.map = SemanticMap(Body.of(info), info.get("detector_errors"), target)
+            self.map = SemanticMap(Body.of(info), info.get("detector_errors"), target, kept=True)
         else:
             self.map.search_again(target)
         return {**info, "kept_map": self.map}

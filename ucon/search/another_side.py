@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ucon.core.compass import heading_to
 from ucon.perception.hypotheses.look_kernels import NEVER
+from ucon.perception.mapping.detections import MIN_PIXELS
 from ucon.perception.mapping.planner import Planner
 from ucon.perception.mapping.semantic_map import CELL_M, HALF, SIZE, SemanticMap, View, camera_of
 from ucon.perception.views.view_kernels import sight
@@ -17,6 +18,8 @@ _CELLS, _MOST_COST = 9, 12
 _LEAST_M, _ASIDE = 0.2, 38.0 / 90.0
 #: What is nearer than a thing by more than this hides it, metres.
 _HIDES_M = 0.1
+#: Share of its two longer sides that a thing shows: it is turned, and round.
+_SHOWN = 0.5
 
 
 def another_side(known: SemanticMap, planner: Planner, track: int) -> View | None:
@@ -72,7 +75,7 @@ def _is_new(known: SemanticMap, track: int, view: View) -> bool:
 
 
 def in_view(known: SemanticMap, depth: NDArray[np.float32], track: int) -> bool:
-    """Whether the middle of a thing is in the picture, and nothing nearer hides it.
+    """Whether the middle of a thing is in the picture, nothing nearer hides it, and it is near enough to show.
 
     Args:
         known: the map, updated with the frame.
@@ -90,8 +93,10 @@ def in_view(known: SemanticMap, depth: NDArray[np.float32], track: int) -> bool:
     u, v = int(0.5 * columns + focal_px * right / optical), int(0.5 * rows - focal_px * up / optical)
     if not (0 <= u < columns and 0 <= v < rows):
         return False
-    half = 0.5 * float((known.box[track, 3:] - known.box[track, :3]).max())
-    return bool(depth[v, u] >= optical - half - _HIDES_M)
+    sides = np.sort(known.box[track, 3:] - known.box[track, :3])
+    if _SHOWN * sides[1] * sides[2] * (focal_px / optical) ** 2 < MIN_PIXELS:
+        return False
+    return bool(depth[v, u] >= optical - 0.5 * sides[2] - _HIDES_M)
 
 
 def _middle(known: SemanticMap, track: int) -> tuple[float, float, float]:

@@ -49,7 +49,7 @@ class Hypotheses(PartlyShared):
             target: its name; one thing more of it is expected in the home.
         """
         self.errors = errors
-        self._target = _rows().get(target, -1)
+        self._target = name_rows().get(target, -1)
         self._prior = log_prior(errors, self._target)
         self._keys = errors.sides * MOST_OCTAVES
         n, names = 64, len(vocabulary())
@@ -67,17 +67,33 @@ class Hypotheses(PartlyShared):
             target: what is searched for now.
             stale: tracks of things that may have been moved: what was seen of them no longer counts.
         """
-        self._target = _rows().get(target, -1)
+        self._target = name_rows().get(target, -1)
         self._prior = log_prior(self.errors, self._target)
-        self._reserve(max(stale, default=0) + 1)
-        for column in (self._evidence, self._absent, self._found, self._state):
-            column[stale] = 0
-        for track in stale:
+        self.forget(stale)
+        self.p_target[:] = 0.0
+        self._judge(np.array(sorted(self.looks), np.int32), [])
+
+    def forget(self, tracks: list[int]) -> None:
+        """Drop all that was seen of some tracks."""
+        self._reserve(max(tracks, default=0) + 1)
+        for column in (self._evidence, self._absent, self._found, self._state, self.exists, self.p_target):
+            column[tracks] = 0
+        self._log_p[tracks] = -np.inf
+        for track in tracks:
             self.looks.pop(track, None)
         self._lost = {key: lost for key, lost in self._lost.items() if key[0] in self.looks}
-        self.p_target[:] = self.exists[stale] = 0.0
-        self._log_p[stale] = -np.inf
-        self._judge(np.array(sorted(self.looks), np.int32), [])
+
+    def support(self, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """How often tracks were found from new sides, and logarithms of the chance of all looks in vain.
+
+        Args:
+            n: number T of tracks.
+
+        Returns:
+            (T,) and (T,).
+        """
+        self._reserve(n)
+        return self._found[:n].copy(), self._absent[:n].copy()
 
     def _reserve(self, n: int) -> None:
         """Make room for n tracks."""
@@ -135,7 +151,7 @@ class Hypotheses(PartlyShared):
         for (track, key, what), away in zip(event[:count].tolist(), away_m[:count].tolist(), strict=True):
             if what == FOUND:
                 name, score = called[track]
-                self._add(track, key, _rows().get(name, -1), score, away)
+                self._add(track, key, name_rows().get(name, -1), score, away)
             elif track in self.looks:
                 self._miss(track, key, category[track], away)
         return self._judge(np.unique(event[:count, 0]), category)
@@ -150,7 +166,7 @@ class Hypotheses(PartlyShared):
         Returns:
             (T, A) float64; 0 for names outside the vocabulary, and for tracks that were never found.
         """
-        rows = np.array([_rows().get(name, -1) for name in names])
+        rows = np.array([name_rows().get(name, -1) for name in names])
         out = np.exp(self._log_p[:n, rows].astype(np.float64)) * self.exists[:n, None]
         out[:, rows < 0] = 0.0
         return out
@@ -222,8 +238,8 @@ def limits_m2(octave: float) -> NDArray[np.float64]:
 
 
 @lru_cache(maxsize=1)
-def _rows() -> dict[str, int]:
-    """Row of every name in the vocabulary."""
+def name_rows() -> dict[str, int]:
+    """Row of every name in the vocabulary of detectors."""
     return {name: k for k, name in enumerate(vocabulary())}
 
 
@@ -238,8 +254,8 @@ def log_prior(errors: DetectorErrors, target: int) -> NDArray[np.float32]:
     """(V,) float32, logarithms of the names' shares among the things of a home that has the target."""
     count = np.full(len(vocabulary()), _UNHEARD)
     for name, n in zip(errors.names, errors.counts, strict=True):
-        if name in _rows():
-            count[_rows()[name]] += n
+        if name in name_rows():
+            count[name_rows()[name]] += n
     if target >= 0:
         count[target] += 1.0
     return np.asarray(np.log(count / count.sum()), np.float32)

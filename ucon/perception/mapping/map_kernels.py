@@ -29,6 +29,15 @@ FLOORS, WALLS, CEILINGS = 1, 2, 3
 _ALIKE_M, _CLEAR = 1e-12, 1e-9
 
 
+@merged
+def point(u: int, v: int, d: float, rows: int, columns: int, camera: F64) -> tuple[float, float, float]:
+    """The point that pixel (u, v) shows at depth ``d``: x, y, z in metres in the start frame."""
+    x, y, cam_z, c, s, cp, sp, focal_px = camera
+    up = (0.5 * rows - v - 0.5) / focal_px
+    f, right = d * (cp - sp * up), d * ((u + 0.5 - 0.5 * columns) / focal_px)
+    return x + c * f + s * right, y + s * f - c * right, cam_z + d * (sp + cp * up)
+
+
 @jit
 def integrate(
     depth: F32, tracks: I16, camera: F64, half: int, cells: Any, kind: U8, frozen: Flags, box: F64, far_m: float

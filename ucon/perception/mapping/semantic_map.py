@@ -21,11 +21,12 @@ from ucon.core.geometry import HEADING_COS, HEADING_SIN
 from ucon.core.sharing import PartlyShared, Shared
 from ucon.objects.catalogue import catalogue
 from ucon.perception.errors.model import DetectorErrors
-from ucon.perception.hypotheses.hypotheses import Hypotheses
+from ucon.perception.hypotheses.hypotheses import Hypotheses, name_rows
 from ucon.perception.mapping import map_kernels as kernels
 from ucon.perception.mapping.body import PAPER_BODY, Body
 from ucon.perception.mapping.detections import MIN_PIXELS, STRUCTURE_KINDS, Detections
 from ucon.perception.mapping.obstacles import ObstacleMap
+from ucon.perception.mapping.settling import IN_VAIN, LookBoxes, United
 
 CELL_M = kernels.CELL_M
 #: Cell number of the start, in i and j.
@@ -117,19 +118,26 @@ class SemanticMap(PartlyShared):
         stale: (>= T,) bool, things that may be moved and were last seen in an earlier search of this home.
         obstacles: what a robot that moves continuously steers around; None on the grid.
         lived_in: whether earlier searches mapped this home, so that furniture was seen from all sides.
+        looks: what single looks showed, where the map is kept for further searches and the detector errs.
+        united: which of the detector's tracks are one thing.
     """
 
     _flat: ClassVar[frozenset[str]] = frozenset({"views", "category"})
 
-    def __init__(self, body: Body = PAPER_BODY, errors: DetectorErrors | None = None, target: str = "") -> None:
+    def __init__(
+        self, body: Body = PAPER_BODY, errors: DetectorErrors | None = None, target: str = "", *, kept: bool = False
+    ) -> None:
         """Start with an empty map.
 
         Args:
             body: the agent's camera and reach; those of the paper's rules by default.
             errors: of the detector, where it errs.
             target: what is searched for.
+            kept: whether it is kept for further searches.
         """
         self.body = body
+        self.looks = LookBoxes(errors) if kept and errors is not None else None
+        self.united = United()
         self.hypotheses = None if errors is None else Hypotheses(errors, target)
         self.obstacles = None if body.exact else ObstacleMap()
 
@@ -214,12 +222,12 @@ class SemanticMap(PartlyShared):
             self._bump(self.view)
         self.views.append(view)
         self.step = len(self.views) - 1
-        detections = Detections.from_info(info)
+        detections = self.united.detections(Detections.from_info(info))
         self.inexact |= detections.score is not None
         self._register(detections)
-        for track in info.get("opened", ()):
-            if 0 <= int(track) < self.n_tracks:
-                self.opened[int(track)] = True
+        for track in map(self.united.of, map(int, info.get("opened", ()))):
+            if 0 <= track < self.n_tracks:
+                self.opened[track] = True
         depth = frame_depth(observation, info)
         self._integrate(view, depth, detections.image)
         if detections.score is not None:
@@ -254,12 +262,39 @@ class SemanticMap(PartlyShared):
         self.pixels[:], self.last_seen[:], self.opened[:] = 0, -1, False
         self.named_at[self.named_at > 0] = 0
         self._sought.add(target)
+        self._settle()
         small = [name for name in self.instances if name in self._sought or _is_small(name)]
         tracks = sorted(track for name in small for track in self.instances[name])
         self.stale[tracks] = True
         self.box[self.instances.get(target, [])] = _NO_BOX
         if self.hypotheses is not None:
             self.hypotheses.search_again(target, tracks)
+        if self.looks is not None:
+            self.looks.forget(tracks)
+
+    def _settle(self) -> None:
+        """Give furniture the boxes on which the looks of all searches agree; of one thing, keep one track.
+
+        What was looked for in vain more often than it was found is forgotten, and what was never taken for any thing.
+        """
+        if self.looks is None or self.hypotheses is None:
+            return
+        rows, n = name_rows(), self.n_tracks
+        names = np.array(
+            [-1 if name in self._sought or _is_small(name) else rows.get(name, -1) for name in self.category], np.int32
+        )
+        self.looks.settle(names, self.box)
+        found, absent = self.hypotheses.support(n)
+        things = self.kind[:n] == 0
+        nameless = things & np.array([name == "" for name in self.category], bool)
+        lost = nameless | ((names >= 0) & (found + IN_VAIN * absent <= 0.0))
+        names[lost] = -1
+        gone = [*self.united.unite(self.box[:n], names, found), *np.flatnonzero(lost).tolist()]
+        for track in gone:
+            self._name(track, "")
+        self.box[gone], self.named_at[gone] = _NO_BOX, -1
+        self.looks.forget(gone)
+        self.hypotheses.forget(gone)
 
     def _register(self, detections: Detections) -> None:
         """Enter the tracks of a frame: names, pixels, step."""
@@ -307,12 +342,18 @@ class SemanticMap(PartlyShared):
             )
             if pixels >= MIN_PIXELS and name not in STRUCTURE_KINDS and self.seen(track)
         }  # fmt: skip
-        n = self.n_tracks
-        changed = self.hypotheses.look(
-            self.box[:n], self.kind[:n], self.category, called, depth, camera_of(self.view, depth, self.body)
-        )
+        n, camera = self.n_tracks, camera_of(self.view, depth, self.body)
+        if self.looks is not None:
+            names = np.full(n, -1, np.int32)
+            names[list(called)] = [name_rows().get(name, -1) for name, _ in called.values()]
+            self.looks.look(depth, detections.image, camera, names, self.opened[:n])
+        changed = self.hypotheses.look(self.box[:n], self.kind[:n], self.category, called, depth, camera)
         for track, name in changed.items():
             self._name(track, name)
+        if self.looks is not None:
+            for track in called:
+                names[track] = name_rows().get(self.category[track], names[track])
+            self.looks.settle(names, self.box)
 
     def _integrate(self, view: View, depth: NDArray[np.float32], image: NDArray[np.int16]) -> None:
         """Enter the points of a frame: cells, boxes, explored space."""

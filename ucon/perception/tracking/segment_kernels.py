@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ucon.core.jit import F32, F64, I16, I32, Flags, jit, merged
-from ucon.perception.mapping.map_kernels import FAR_M
+from ucon.core.jit import F32, F64, I16, I32, Flags, jit
+from ucon.perception.mapping.map_kernels import FAR_M, point
 from ucon.perception.tracking.plane_kernels import planes
 
 #: Points below this height are floor, metres.
@@ -18,15 +18,6 @@ _STEP, _NEAREST_M, _BINS = np.log(1.05), 0.1, 140
 #: A plane patch belongs to what is behind a box if less than this share of it lies in the box, unless less than
 #: LEAST_LEFT of the box would be left.
 MOSTLY, LEAST_LEFT = 0.9, 0.15
-
-
-@merged
-def point(u: int, v: int, d: float, rows: int, columns: int, camera: F64) -> tuple[float, float, float]:
-    """The point that pixel (u, v) shows at depth ``d``: x, y, z in metres in the start frame."""
-    x, y, cam_z, c, s, cp, sp, focal_px = camera
-    up = (0.5 * rows - v - 0.5) / focal_px
-    f, right = d * (cp - sp * up), d * ((u + 0.5 - 0.5 * columns) / focal_px)
-    return x + c * f + s * right, y + s * f - c * right, cam_z + d * (sp + cp * up)
 
 
 @jit

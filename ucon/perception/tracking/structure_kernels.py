@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from ucon.core.jit import F32, F64, I16, U8, jit
-from ucon.perception.mapping.map_kernels import CELL_M, FAR_M
-from ucon.perception.tracking.segment_kernels import FLOOR_M, point
+from ucon.perception.mapping.map_kernels import CELL_M, FAR_M, point
+from ucon.perception.tracking.segment_kernels import FLOOR_M
 
 #: Points above this height are ceiling, metres.
 CEILING_M = 2.2
