@@ -77,6 +77,8 @@ def _is_new(known: SemanticMap, track: int, view: View) -> bool:
 def in_view(known: SemanticMap, depth: NDArray[np.float32], track: int) -> bool:
     """Whether the middle of a thing is in the picture, nothing nearer hides it, and it is near enough to show.
 
+    The latter only where boxes are no larger than things: on maps that are kept.
+
     Args:
         known: the map, updated with the frame.
         depth: (H, W) float32 of the frame, metres.
@@ -94,7 +96,7 @@ def in_view(known: SemanticMap, depth: NDArray[np.float32], track: int) -> bool:
     if not (0 <= u < columns and 0 <= v < rows):
         return False
     sides = np.sort(known.box[track, 3:] - known.box[track, :3])
-    if _SHOWN * sides[1] * sides[2] * (focal_px / optical) ** 2 < MIN_PIXELS:
+    if known.looks is not None and _SHOWN * sides[1] * sides[2] * (focal_px / optical) ** 2 < MIN_PIXELS:
         return False
     return bool(depth[v, u] >= optical - 0.5 * sides[2] - _HIDES_M)
 
