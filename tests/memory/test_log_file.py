@@ -47,9 +47,26 @@ def test_a_person_can_read_it(log, tmp_path):
     assert len(text.splitlines()) == 4
 
 
+def test_sizes_come_back_where_the_detector_erred(log, tmp_path):
+    path = tmp_path / "mug.json"
+    log.saw("mug", np.array([1.0, 2.0, 0.9]), time_of(3, 0), size=np.array([0.08, 0.09, 0.1]))
+    log.saw_again("mug", 0, time_of(3, 1))
+    save_log(log, path, HOME)
+    again = load_log(path, HOME).things
+    assert again["mug"].size.tolist() == [[0.08, 0.09, 0.1], [0.0, 0.0, 0.0]]
+    assert again["mug"].seen[-1] == (time_of(3, 1), 0)
+    assert again["coffee_cup"].size.tolist() == [[0.0, 0.0, 0.0]]
+    assert path.read_text().count("sizes") == 1
+
+
 @pytest.mark.parametrize(
     ("edit", "said"),
     [
+        *[
+            (lambda d, sizes=sizes: d["things"]["mug"].update(sizes=sizes), "expected three sides in metres")
+            for sizes in ([], [[0.1, 0.1, 0.1]], [[0.1, 0.1], [0.1, 0.1]], [[0.1, 0.1, -1]] * 2, [["a", 1, 1]] * 2)
+        ],
+        (lambda d: d["things"]["mug"].update(sizes={}), "expected a list"),
         (lambda d: d.update(format=1), "memory format 1, expected 2"),
         (lambda d: d.update(format="2"), "memory format '2', expected 2"),
         (lambda d: d.update(things=[]), "expected an object with format, home and things"),

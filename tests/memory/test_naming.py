@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ucon.memory.naming import spot_of
+from ucon.perception.errors.model import read_errors
 from ucon.perception.mapping.semantic_map import SemanticMap
 
 Box = tuple[float, float, float, float, float, float]
@@ -81,3 +82,28 @@ def test_what_the_map_does_not_hold_names_nothing(lost: str) -> None:
     else:
         known.category[0] = "coffee_cup"
     assert spot_of(known, "coffee_cup", cup) == ()
+
+
+def test_boxes_of_a_detector_that_errs_may_be_off() -> None:
+    """A table of which the top was seen 0.12 m too high still has the cup on it, where it would be nowhere else."""
+    known, cup = mapped(breakfast_table=TABLE), at(2.65, 2.35, 0.63)
+    assert spot_of(known, "coffee_cup", cup)[0] == ("ontop", "breakfast_table")
+    cup = at(2.65, 2.35, 0.87)
+    assert spot_of(known, "coffee_cup", cup) == ()
+    known.inexact = True
+    assert spot_of(known, "coffee_cup", cup)[0] == ("ontop", "breakfast_table")
+
+
+def test_what_was_found_from_one_side_alone_counts_less() -> None:
+    """Two tables in one place, of which one was found from six sides."""
+    known = SemanticMap(errors=read_errors("noisy"), target="")
+    known.inexact = True
+    known.category.extend(["breakfast_table", "coffee_table"])
+    known.box[:2] = [TABLE, TABLE]
+    assert known.hypotheses is not None
+    known.hypotheses.support(2)
+    names = {}
+    for often in ([6, 1], [1, 6]):
+        known.hypotheses._found[:2] = often
+        names[often[0]] = spot_of(known, "coffee_cup", at(2.65, 2.35, 0.75))[0][1]
+    assert names == {6: "breakfast_table", 1: "coffee_table"}

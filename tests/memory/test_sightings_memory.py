@@ -22,6 +22,7 @@ from ucon.memory.protocol import Info
 from ucon.memory.sighting_log import SAME_M
 from ucon.memory.sightings_memory import SightingsMemory
 from ucon.perception.belief.recalled import Recalled
+from ucon.perception.detectors.noisy import NoisyDetector
 from ucon.sim.cache import load_house
 from ucon.sim.state import SceneState
 
@@ -44,9 +45,9 @@ class Kept(SightingsMemory):
 class Lived:
     """A life as the frontier agent played it."""
 
-    def __init__(self, life: Life) -> None:
+    def __init__(self, life: Life, detector: Any = True) -> None:
         self.life, self.memory = life, Kept()
-        env = partial(UcONResidentEnv, [life], observe="symbolic", detector=True, planner="true")
+        env = partial(UcONResidentEnv, [life], observe="symbolic", detector=detector, planner="true")
         spec = RunSpec(FrontierAgent, env, "none", memory=lambda: self.memory)
         self.played: list[PlayedEpisode] = evaluate(spec, asked_of([life]), workers=0)
 
@@ -95,6 +96,25 @@ def test_places_that_were_shown_empty_were_empty(emptied: Lived) -> None:
     ])  # fmt: skip
     assert len(away) > 40
     assert (away < SAME_M).mean() < 0.05
+
+
+def test_with_a_detector_that_errs_most_is_right_and_what_was_recognised_has_a_size() -> None:
+    lived = Lived(short_life(3, requests=10, days=3), NoisyDetector())
+    owned = {one.category for one in lived.life.possessions}
+    log = {name: one for name, one in lived.memory.log.things.items() if name in owned}
+
+    def away(rows: str) -> Any:
+        found = [(name, *row) for name, one in log.items() for row in getattr(one, rows)]
+        return np.array([np.linalg.norm(log[name].places[at] - lived.where(name, time)) for name, time, at in found])
+
+    assert len(away("seen")) > 15
+    assert (away("seen") < 0.6).mean() > 0.85
+    assert (away("absent") < SAME_M).mean() < 0.15
+    known = np.concatenate([one.size.min(1) > 0.0 for one in log.values()])
+    assert 0.2 < known.mean() < 1.0
+    kept = lived.memory.map
+    assert kept is not None
+    assert kept.looks is not None
 
 
 def test_what_was_found_is_remembered_at_that_time(lived: Lived) -> None:

@@ -192,7 +192,7 @@ def until(thing: SeenThing, time: int) -> SeenThing:
     seen = [(when, place) for when, place in thing.seen if when < time]
     count = max((place for _, place in seen), default=-1) + 1
     absent = [(when, place) for when, place in thing.absent if when < time and place < count]
-    return SeenThing(thing.name, thing.places[:count], seen, absent, thing.spots[:count])
+    return SeenThing(thing.name, thing.places[:count], seen, absent, thing.spots[:count], thing.size[:count])
 
 
 def examples(log: SightingLog, life: Life, count: int) -> Iterator[tuple[str, bool]]:

@@ -1,7 +1,8 @@
 """A memory as a file: JSON that a person can read and mend, checked when it is read.
 
 Places are points in metres in the frame of the dock (x ahead, y to the left, z up), with the relation and the anchor by
-which the thing stands there, where these are known. Times are texts such as ``day 3, evening`` (days count from 0).
+which the thing stands there, where these are known. Where the detector errs, sizes are the sides of what was seen at
+each place. Times are texts such as ``day 3, evening`` (days count from 0).
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ucon.core.errors import DataError, brief
 from ucon.core.files import write_atomic
@@ -47,6 +49,7 @@ def save_log(log: SightingLog, path: Path, home: str) -> None:
             ],
             "seen": [[_said(time), place] for time, place in thing.seen],
             "absent": [[_said(time), place] for time, place in thing.absent],
+            **({"sizes": np.round(thing.size, 3).tolist()} if thing.size.any() else {}),
         }
         for name, thing in sorted(log.things.items())
     }
@@ -90,7 +93,7 @@ def log_name(home: str) -> str:
 def _thing(name: str, value: Any, where: str) -> SeenThing:
     if name not in catalogue():
         raise DataError(f"{where}: no such category; {_REMEDY}")
-    if not isinstance(value, dict) or value.keys() != {"places", "seen", "absent"}:
+    if not isinstance(value, dict) or value.keys() - {"sizes"} != {"places", "seen", "absent"}:
         raise DataError(f"{where}: expected places, seen and absent; {_REMEDY}")
     places = _list(value["places"], f"{where}: places")
     for place in places:
@@ -103,7 +106,18 @@ def _thing(name: str, value: Any, where: str) -> SeenThing:
     seen = _times(value["seen"], len(places), f"{where}: seen")
     absent = _times(value["absent"], len(places), f"{where}: absent")
     spots = [_spot(place) for place in places]
-    return SeenThing(name, np.array([place[:3] for place in places], np.float64).reshape(-1, 3), seen, absent, spots)
+    xyz, size = np.array([place[:3] for place in places], np.float64).reshape(-1, 3), np.zeros((len(places), 3))
+    if "sizes" in value:
+        size = _sizes(value["sizes"], len(places), f"{where}: sizes")
+    return SeenThing(name, xyz, seen, absent, spots, size)
+
+
+def _sizes(value: Any, places: int, where: str) -> NDArray[np.float64]:
+    rows = _list(value, where)
+    good = all(isinstance(row, list) and len(row) == 3 and all(_is_length(v) and v >= 0.0 for v in row) for row in rows)
+    if len(rows) != places or not good:
+        raise DataError(f"{where}: {brief(repr(value))}, expected three sides in metres of each place; {_REMEDY}")
+    return np.array(rows, np.float64).reshape(-1, 3)
 
 
 def _spot(place: list[Any]) -> Spot:

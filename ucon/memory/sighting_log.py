@@ -27,6 +27,7 @@ class SeenThing:
         seen: (time, place) of each request in which it was seen, in the order of time.
         absent: (time, place) of each request that showed a place without it.
         spots: relations and anchors of each place, as it was last named; () where nothing was near.
+        size: (n, 3) sides of what was last seen at each place, metres; 0 where they are not known.
     """
 
     name: str
@@ -34,6 +35,7 @@ class SeenThing:
     seen: list[tuple[int, int]] = field(default_factory=list)
     absent: list[tuple[int, int]] = field(default_factory=list)
     spots: list[Spot] = field(default_factory=list)
+    size: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
 
     def place_at(self, xyz: NDArray[np.float64]) -> int:
         """Number of the place at a point; a new one where it was never seen near there."""
@@ -41,7 +43,7 @@ class SeenThing:
             away = np.linalg.norm(self.places - xyz, axis=1)
             if away.min() <= SAME_M:
                 return int(away.argmin())
-        self.places = np.vstack([self.places, xyz])
+        self.places, self.size = np.vstack([self.places, xyz]), np.vstack([self.size, np.zeros(3)])
         self.spots.append(())
         return len(self.places) - 1
 
@@ -58,7 +60,9 @@ class SightingLog:
         entries = [entry for thing in self.things.values() for entry in (*thing.seen, *thing.absent)]
         return max((time for time, _ in entries), default=-1)
 
-    def saw(self, name: str, xyz: NDArray[np.float64], time: int, spot: Spot = ()) -> None:
+    def saw(
+        self, name: str, xyz: NDArray[np.float64], time: int, spot: Spot = (), size: NDArray[np.float64] | None = None
+    ) -> None:
         """Note where a thing was seen in a request; of several sightings the last one counts.
 
         Args:
@@ -66,11 +70,24 @@ class SightingLog:
             xyz: (3,) middle of what was seen of it, metres in the frame of the dock.
             time: of the request.
             spot: relations and anchors by which it stands there; () where they are not known.
+            size: (3,) sides of what was seen of it, metres; None where they do not matter.
         """
         thing = self.things.setdefault(name, SeenThing(name))
         place = thing.place_at(xyz)
         thing.seen.append((time, place))
         thing.spots[place] = spot or thing.spots[place]
+        if size is not None:
+            thing.size[place] = size
+
+    def saw_again(self, name: str, place: int, time: int) -> None:
+        """Note that a thing is at a known place.
+
+        Args:
+            name: category.
+            place: its number.
+            time: of the request.
+        """
+        self.things[name].seen.append((time, place))
 
     def missed(self, name: str, place: int, time: int) -> None:
         """Note that a request showed a place of a thing without it.

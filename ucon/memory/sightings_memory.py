@@ -27,7 +27,7 @@ from ucon.memory.sighting_log import SeenThing, SightingLog
 from ucon.memory.watching import Watching
 from ucon.objects.catalogue import catalogue
 from ucon.perception.belief.recalled import Recalled
-from ucon.perception.mapping.semantic_map import frame_depth
+from ucon.perception.mapping.semantic_map import SemanticMap, frame_depth
 from ucon.perception.places.affordances import sight_range_m
 from ucon.readers.anchor_reader import default_reader
 
@@ -35,6 +35,8 @@ from ucon.readers.anchor_reader import default_reader
 _PATROL_REACH_M: Final = 2.1
 #: So many of the likeliest places are in records.
 _TOLD: Final = 3
+#: Things that a detector that errs recognised with this probability are known by their place later.
+SURE: Final = 0.95
 #: Sentences are about a thing from this relevance on.
 ABOUT: Final = 0.5
 
@@ -160,6 +162,9 @@ class SightingsMemory(MapMemory):
             points, when = self._looking.begin(sight_range_m(target))
             last = thing.seen[-1][0] if thing.seen else NEVER
             recalled = replace(recalled, looked=points, left=self._model.left(when, last, self._time))
+        assert self.map is not None
+        if self.map.hypotheses is not None:
+            recalled = replace(recalled, size=thing.size)
         if len(recalled.xyz) or len(recalled.looked):
             known["recalled"] = recalled
         if "reranking" not in info:
@@ -205,16 +210,31 @@ class SightingsMemory(MapMemory):
                 continue
             seen = [track for track in tracks if known.last_seen[track] >= 0 and known.seen(track)]
             if seen:
-                box = known.box[max(seen, key=lambda track: (int(known.last_seen[track]), -track))]
-                self.log.saw(name, 0.5 * (box[:3] + box[3:]), self._time, spot_of(known, name, box))
+                newest = max(seen, key=lambda track: (int(known.last_seen[track]), -track))
+                box = known.box[newest]
+                size = box[3:] - box[:3] if _is_sure(known, name, newest) else None
+                self.log.saw(name, 0.5 * (box[:3] + box[3:]), self._time, spot_of(known, name, box), size)
+        stands = self._watching.stands
         for name, place in self._watching.shown:
-            if self.log.things[name].seen[-1:] != [(self._time, place)]:
+            last = self.log.things[name].seen[-1]
+            if last == (self._time, place):
+                continue
+            if (name, place) not in stands:
                 self.log.missed(name, place, self._time)
+            elif last[0] < self._time and last[1] == place:  # what was last seen there still stands there
+                self.log.saw_again(name, place, self._time)
         if self._looking is not None:
             self._looking.end(self._time)
         if self._keep is not None:
             assert self._home is not None
             save_log(self.log, self._keep / log_name(self._home), self._home)
+
+
+def _is_sure(known: SemanticMap, name: str, track: int) -> bool:
+    """Whether a detector that errs recognised a thing well enough to know it by its place later."""
+    if known.hypotheses is None:
+        return False
+    return float(known.hypotheses.named((name,), known.n_tracks)[track, 0]) >= SURE
 
 
 def _likeliest(thing: SeenThing, recalled: Recalled) -> tuple[BelievedPlace, ...]:

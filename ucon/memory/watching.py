@@ -1,4 +1,4 @@
-"""Which of the remembered places the frames of a request show."""
+"""Which of the remembered places the frames of a request show, and where something stands."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from ucon.perception.mapping.map_kernels import look
 from ucon.perception.mapping.semantic_map import SemanticMap, camera_of
 from ucon.perception.places.affordances import sight_range_m
 from ucon.perception.places.hollows import ALL_OPEN
+from ucon.perception.places.occupied import Occupied
 
 
 class Watching:
@@ -27,6 +28,9 @@ class Watching:
         self._xyz = np.concatenate([np.zeros((0, 3)), *(thing.places for thing in things.values())])
         self._reach_m, self._unshown = np.array([sight_range_m(name) for name, _ in self._of]), np.ones(n)
         self._hollow, self._faces = np.zeros((n, 6)), np.full(n, ALL_OPEN, np.uint8)
+        self._occupied = Occupied(
+            self._xyz, np.concatenate([np.zeros((0, 3)), *(thing.size for thing in things.values())])
+        )
 
     def look(self, known: SemanticMap, depth: NDArray[np.float32]) -> None:
         """Take in a frame.
@@ -35,10 +39,17 @@ class Watching:
             known: the map with the frame.
             depth: (H, W), metres.
         """
+        if known.hypotheses is not None:
+            self._occupied.look(known, depth)
         camera = camera_of(known.view, depth, known.body)
         active = (self._unshown > 0.0) & (depth_along(self._xyz, camera) <= self._reach_m)
         if active.any():
             look(depth, camera, np.inf, self._xyz, self._hollow, self._faces, active, self._unshown, 0.0)
+
+    @property
+    def stands(self) -> set[tuple[str, int]]:
+        """Thing and number of the places where something stands, whatever it is called; none with an exact detector."""
+        return {self._of[row] for row in np.flatnonzero(self._occupied.stands).tolist()}
 
     @property
     def shown(self) -> list[tuple[str, int]]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ucon.core.sharing import PartlyShared
 from ucon.objects.catalogue import catalogue
 from ucon.perception.belief.protocol import Expecting
-from ucon.perception.belief.recalled import remembering
+from ucon.perception.belief.recalled import Remembering, remembering
 from ucon.perception.mapping.planner import Planner
 from ucon.perception.mapping.semantic_map import SemanticMap, View, frame_depth
 from ucon.perception.places.affordances import sight_range_m
@@ -28,6 +28,7 @@ from ucon.perception.places.target_places import Places
 from ucon.perception.views.homing import Homing
 from ucon.perception.views.viewpoints import Choice, Costs, Expectation, Viewpoints, ViewValues
 from ucon.search.doubt import Doubt, Doubts
+from ucon.search.remembered import RememberedPlaces
 from ucon.search.search_decision import SearchDecision
 from ucon.search.suspects import Judge
 from ucon.task.actions import Action, decoded_action
@@ -60,6 +61,7 @@ class Searcher(PartlyShared):
         refused: by track, how often Open failed.
         taking: whether the target was found and the agent is walking up to it.
         decisions: how many choices were made.
+        remembered: places where the target was seen before, where the detector errs; None without any.
     """
 
     _flat: ClassVar[frozenset[str]] = frozenset({"refused", "_plan", "_opened_at"})
@@ -97,6 +99,12 @@ class Searcher(PartlyShared):
         self.containers = Containers()
         self.homing = Homing()
         self.expecting = remembering(expecting, info)
+        recalled = info.get("recalled")
+        self.remembered = (
+            None
+            if self.map.hypotheses is None or recalled is None or not len(recalled.size)
+            else RememberedPlaces(recalled)
+        )
         self.miss = miss
         self.choice: Choice | None = None
         self.refused: dict[int, int] = {}
@@ -139,7 +147,9 @@ class Searcher(PartlyShared):
         """The next action after a frame was taken in; None where a choice is due."""
         if self.doubt is not None:
             self.expect()
-            action = self.doubt.act(self, frame_depth(observation, info), blocked)
+            action = self._take_remembered(blocked)
+            if action is None:
+                action = self.doubt.act(self, frame_depth(observation, info), blocked)
             self.taking = self.doubt.suspect >= 0
             if action is not None:
                 self.choice = None
@@ -153,6 +163,14 @@ class Searcher(PartlyShared):
         self.expect()
         assert self.expected is not None
         return self._open_here(self.expected) or self._go_on(self.expected)
+
+    def _take_remembered(self, blocked: bool) -> Action | None:
+        """Walk up to a remembered place where something stands, if no suspect is more probable."""
+        assert self.doubt is not None
+        if self.remembered is None:
+            return None
+        rival = max(self.doubt.p.values(), default=0.0)
+        return self.remembered.act(self.map, self.planner, self.homing.approach, rival, blocked=blocked)
 
     def observe(self, observation: Mapping[str, Any], info: Info) -> None:
         """Add a frame to the map and to what was looked at in vain; no action is computed.
@@ -168,7 +186,12 @@ class Searcher(PartlyShared):
         shut = np.zeros(known.n_tracks, bool)
         shut[self.closed()] = True
         active, reach = self.places.searched(shut), self.viewpoints.reach_m
-        self.places.look(known, frame_depth(observation, info), active, reach, self.miss)
+        depth = frame_depth(observation, info)
+        self.places.look(known, depth, active, reach, self.miss)
+        if self.remembered is not None:
+            self.remembered.look(known, depth)
+            assert isinstance(self.expecting, Remembering)
+            self.expecting.weigh(self.remembered.p)
 
     def expect(self) -> None:
         """Compute ``expected`` from the current map."""

@@ -43,6 +43,7 @@ class Recalled(Shared):
         spots: relation and anchors of each of the n places, as far as they are known.
         looked: (m, 4) points that earlier requests looked at, see :func:`points_of`.
         left: (m,) what is left there, 0 to 1, of the probability of a place that was not looked at.
+        size: (n, 3) sides of what was seen at each of the n places, metres; 0 where they are not known.
     """
 
     xyz: NDArray[np.float64]
@@ -50,6 +51,7 @@ class Recalled(Shared):
     spots: Sequence[Spot] = ()
     looked: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 4)))
     left: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    size: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
 
     def __post_init__(self) -> None:
         if len(self.spots) not in (0, len(self.xyz)):
@@ -103,6 +105,14 @@ class Remembering(PartlyShared):
     def locations(self) -> Locations | None:
         """What was read from the habits."""
         return self._inner.locations
+
+    def weigh(self, p: NDArray[np.float64]) -> None:
+        """Give the remembered places other probabilities.
+
+        Args:
+            p: (n,) of each; 0 for those that were 0 at the start.
+        """
+        self._recalled = replace(self._recalled, p=p)
 
     def reread(self, known: SemanticMap, places: Places) -> bool:
         """See :meth:`ucon.perception.belief.protocol.Expecting.reread`."""

@@ -79,16 +79,37 @@ class Approach(PartlyShared):
             Poses (m, 4) int32 as the fields of ``View``, and costs (m,) int32, UNREACHED where there is no pose.
         """
         seen = self._sights(known, tracks)
+        return self._poses(known, planner, known.box[tracks], _reach_m(known, tracks) - known.body.off_node_m, seen)
+
+    def _poses(
+        self, known: SemanticMap, planner: Planner, boxes: NDArray[np.float64], reach_m: NDArray[np.float64],
+        seen: NDArray[np.float64],
+    ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:  # fmt: skip
+        """See :func:`ucon.perception.views.approach_kernels.best_views`."""
         cells = (planner.steps, known.height, known.walls, HALF)
         eyes, look = _eyes(known.body), known.view.pitch_deg
         failed = np.array([(v.i, v.j, v.heading, v.pitch_deg, n) for v, n in self._failed.items()], np.int32)
-        poses, costs = np.zeros((len(tracks), 4), np.int32), np.full(len(tracks), UNREACHED, np.int32)
+        poses, costs = np.zeros((len(boxes), 4), np.int32), np.full(len(boxes), UNREACHED, np.int32)
         best_views(
-            known.box[tracks], _reach_m(known, tracks) - known.body.off_node_m, cells, known.explored, eyes, look, seen,
-            failed.reshape(-1, 5), poses, costs,
+            boxes, reach_m, cells, known.explored, eyes, look, seen, failed.reshape(-1, 5), poses, costs
         )  # fmt: skip
         poses[:, 3] = eyes[poses[:, 3], 3]
         return poses, costs
+
+    def pose_at(self, known: SemanticMap, planner: Planner, box: NDArray[np.float64], reach_m: float) -> View | None:
+        """The cheapest pose from which a place should be visible and within reach.
+
+        Args:
+            known: the map.
+            planner: paths from the current pose; must be up to date.
+            box: (6,) metres.
+            reach_m: horizontal distance that is near enough.
+
+        Returns:
+            A pose on an explored node; None where there is none.
+        """
+        poses, costs = self._poses(known, planner, box[None], np.array([reach_m]), np.array([self._best]))
+        return View(*poses[0].tolist()) if costs[0] < UNREACHED else None
 
     def nearer(self, known: SemanticMap, planner: Planner, track: int) -> View:
         """The explored, reachable node nearest to what was seen of a thing, facing it: more of it shows from there.
