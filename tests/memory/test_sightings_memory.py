@@ -109,7 +109,7 @@ def test_with_a_detector_that_errs_most_is_right_and_what_was_recognised_has_a_s
 
     assert len(away("seen")) > 15
     assert (away("seen") < 0.6).mean() > 0.85
-    assert (away("absent") < SAME_M).mean() < 0.15
+    assert (away("absent") < SAME_M).mean() < 0.25  # what is never found is missed again and again
     known = np.concatenate([one.size.min(1) > 0.0 for one in log.values()])
     assert 0.2 < known.mean() < 1.0
     kept = lived.memory.map

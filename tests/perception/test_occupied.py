@@ -54,7 +54,7 @@ def test_a_place_that_is_not_in_the_picture_has_no_lines() -> None:
 
 
 def test_something_stands_there_or_nothing_does() -> None:
-    places = Occupied(CUP, SIZE)
+    places = Occupied(CUP, SIZE, [()])
     assert not places.asked.any()
     assert places.likelihood().tolist() == [1.0]
     places.look(looking(), frame(3.0))
@@ -67,7 +67,7 @@ def test_something_stands_there_or_nothing_does() -> None:
 
 
 def test_the_frame_that_shows_most_of_a_place_counts() -> None:
-    places = Occupied(CUP, SIZE)
+    places = Occupied(CUP, SIZE, [()])
     places.look(looking(), frame(0.97))
     shown = frame(0.5)
     shown[: PX // 2 - 2] = 3.0  # all but the upper rows are hidden, and what is left is empty
@@ -77,7 +77,7 @@ def test_the_frame_that_shows_most_of_a_place_counts() -> None:
 
 
 def test_places_of_unknown_size_are_not_asked_for() -> None:
-    places = Occupied(CUP, np.zeros((1, 3)))
+    places = Occupied(CUP, np.zeros((1, 3)), [()])
     places.look(looking(), frame(0.97))
     assert not places.asked.any()
 
@@ -87,3 +87,23 @@ def test_what_a_thing_stands_on_is_no_part_of_its_place() -> None:
     assert box[2] == pytest.approx(CUP[0, 2] - 0.1 + 0.015)
     (flat,) = boxes_above(CUP, np.array([[0.2, 0.2, 0.02]]))
     assert CUP[0, 2] - 0.01 < flat[2] < flat[5]
+
+
+def test_what_is_in_a_container_is_asked_for_once_that_is_open() -> None:
+    """The door of a fridge is where the milk behind it seems to stand."""
+    places = Occupied(CUP, SIZE, [(("inside", "fridge"), ("nextto", "stove"))])
+    known = looking()
+    known.category.append("fridge")
+    known.box[0] = [0.7, -0.4, 0.0, 1.3, 0.4, 1.8]
+    places.look(known, frame(0.97))
+    assert not places.asked.any()
+    assert places.now[0] == 0
+    known.opened[0] = True
+    places.look(known, frame(0.97))
+    assert places.stands.all()
+
+
+def test_a_shelf_without_doors_is_no_such_container() -> None:
+    places = Occupied(CUP, SIZE, [(("inside", "shelf"),)])
+    places.look(looking(), frame(0.97))
+    assert places.stands.all()

@@ -16,7 +16,7 @@ from ucon.core.sharing import Shared
 from ucon.language.phrases import phrase
 from ucon.lives.clock import N_SLOTS, SLOT_NAMES, is_weekend, weekday_of
 from ucon.memory.sighting_log import SeenThing
-from ucon.perception.belief.recalled import Spot
+from ucon.objects.model import Spot
 from ucon.task.spoken import spoken_place
 
 #: Times and days that a thing was seen there, and share of all times, from which on a sentence is written.

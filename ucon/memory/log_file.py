@@ -22,8 +22,7 @@ from ucon.core.untrusted.strict_json import read_json
 from ucon.lives.clock import SLOT_NAMES, day_and_slot, time_of
 from ucon.memory.sighting_log import SeenThing, SightingLog
 from ucon.objects.catalogue import catalogue
-from ucon.objects.model import RELATIONS
-from ucon.perception.belief.recalled import Spot
+from ucon.objects.model import RELATIONS, Spot
 
 #: Version of the stored form.
 FORMAT: Final = 2

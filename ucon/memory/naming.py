@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.sharing import Shared
-from ucon.objects.model import RELATIONS
-from ucon.perception.belief.recalled import Spot
+from ucon.objects.model import RELATIONS, Spot
 from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.places.affordances import affordance
 from ucon.perception.places.place_kernels import INSIDE, NEXTTO, ONTOP, UNDER

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ucon.perception.belief.recalled import Spot
+from ucon.objects.model import Spot
 
 #: Sightings of a thing nearer to one another than this are of one place, metres.
 SAME_M = 0.4

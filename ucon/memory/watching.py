@@ -28,9 +28,8 @@ class Watching:
         self._xyz = np.concatenate([np.zeros((0, 3)), *(thing.places for thing in things.values())])
         self._reach_m, self._unshown = np.array([sight_range_m(name) for name, _ in self._of]), np.ones(n)
         self._hollow, self._faces = np.zeros((n, 6)), np.full(n, ALL_OPEN, np.uint8)
-        self._occupied = Occupied(
-            self._xyz, np.concatenate([np.zeros((0, 3)), *(thing.size for thing in things.values())])
-        )
+        size = np.concatenate([np.zeros((0, 3)), *(thing.size for thing in things.values())])
+        self._occupied = Occupied(self._xyz, size, [spot for thing in things.values() for spot in thing.spots])
 
     def look(self, known: SemanticMap, depth: NDArray[np.float32]) -> None:
         """Take in a frame.
@@ -39,10 +38,11 @@ class Watching:
             known: the map with the frame.
             depth: (H, W), metres.
         """
-        if known.hypotheses is not None:
-            self._occupied.look(known, depth)
         camera = camera_of(known.view, depth, known.body)
         active = (self._unshown > 0.0) & (depth_along(self._xyz, camera) <= self._reach_m)
+        if known.hypotheses is not None:
+            self._occupied.look(known, depth)
+            active &= self._occupied.open
         if active.any():
             look(depth, camera, np.inf, self._xyz, self._hollow, self._faces, active, self._unshown, 0.0)
 

@@ -17,6 +17,8 @@ Box3 = tuple[float, float, float, float, float, float]
 Shape = Literal["box", "cylinder", "sphere", "wedge"]
 Relation = Literal["ontop", "inside", "under", "nextto"]
 RELATIONS: tuple[Relation, ...] = ("ontop", "inside", "under", "nextto")
+Spot = tuple[tuple[str, str], ...]
+"""Relation and anchor category: of what holds a thing, then of what it stands next to; one of them may be missing."""
 
 
 class Material(IntEnum):

@@ -49,7 +49,7 @@ class RememberedPlaces(PartlyShared):
             recalled: where the target was seen before; places without sizes are not asked for.
         """
         self._recalled, self.p = recalled, recalled.p
-        self._occupied = Occupied(recalled.xyz, recalled.size)
+        self._occupied = Occupied(recalled.xyz, recalled.size, recalled.spots or [()] * len(recalled.xyz))
         self._plan: deque[Action] = deque()
         self._going = -1
         self._failed = np.zeros(len(recalled.xyz), np.int64)

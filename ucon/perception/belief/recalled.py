@@ -11,15 +11,13 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ucon.core.sharing import PartlyShared, Shared
-from ucon.objects.model import RELATIONS
+from ucon.objects.model import RELATIONS, Spot
 from ucon.perception.belief.protocol import Expecting
 from ucon.perception.belief.target_belief import Locations
 from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.places.target_places import NOTED, Places
 from ucon.perception.views.viewpoints import Expectation
 
-Spot = tuple[tuple[str, str], ...]
-"""Relation and anchor category: of what holds a thing, then of what it stands next to; one of them may be missing."""
 #: A remembered place is where the nearest sample point of the map is, if that is not farther off, metres.
 NEAR_M = 0.6
 #: The same for points of the anchor and relation by which it is remembered: compartments have but a few points.

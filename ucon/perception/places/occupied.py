@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.sharing import PartlyShared
+from ucon.objects.model import RELATIONS, Spot
 from ucon.perception.mapping.semantic_map import SemanticMap, camera_of
+from ucon.perception.places.affordances import affordance
 from ucon.perception.places.occupied_kernels import fill
+from ucon.perception.places.place_kernels import INSIDE
 
 #: A place is the box in which a thing was seen, without what it stands on: it begins so much above its bottom, metres,
 #: or if the thing is low this share of its height.
 ABOVE_M, MOST_ABOVE = 0.015, 0.4
 #: Sight lines that tell anything; shares of them that end in a place where something stands, and where nothing does.
 LEAST_LINES, SHARE, EMPTY_SHARE = 4, 0.3, 0.1
+#: A place is at a container that is not farther from it, metres.
+AT_M: Final = 0.2
 #: How much more probable it is that something stands at the place of a thing if that is there than if it is elsewhere,
 #: and that nothing does. From 186 remembered places in 82 requests of ``lives_val``.
 STANDS: Final = 5.0
@@ -34,22 +40,31 @@ def boxes_above(xyz: NDArray[np.float64], size: NDArray[np.float64]) -> NDArray[
     return boxes
 
 
+def _is_shut_in(at: tuple[str, str]) -> bool:
+    """Whether a relation and an anchor are a container's inside."""
+    relation, anchor = at
+    return relation == RELATIONS[INSIDE] and affordance(anchor).openable
+
+
 class Occupied(PartlyShared):
     """Follows one request; of each place the frame counts in which it fills most of the picture."""
 
-    _shared: ClassVar[frozenset[str]] = frozenset({"boxes"})
-    _flat: ClassVar[frozenset[str]] = frozenset({"filled", "now", "_lines"})
+    _shared: ClassVar[frozenset[str]] = frozenset({"boxes", "_known"})
+    _flat: ClassVar[frozenset[str]] = frozenset({"filled", "now", "open", "_lines"})
 
-    def __init__(self, xyz: NDArray[np.float64], size: NDArray[np.float64]) -> None:
+    def __init__(self, xyz: NDArray[np.float64], size: NDArray[np.float64], spots: Sequence[Spot]) -> None:
         """Start without a frame.
 
         Args:
             xyz: (n, 3) middles of what was seen, metres.
             size: (n, 3) its sides, metres; 0 where they are not known: such places are not asked for.
+            spots: relations and anchors of the n places; those in containers are asked for once these are open.
         """
         #: (n, 6) boxes that are asked for, metres
         self.boxes = boxes_above(xyz, size)
         self._known = size.min(1, initial=np.inf) > 0.0
+        #: (n,) places that are in no container, or in one that is open
+        self.open = ~np.array([any(map(_is_shut_in, spot)) for spot in spots], bool)
         #: (n,) share of the sight lines that end there
         self.filled = np.zeros(len(xyz))
         #: (n,) sight lines that end there in the newest frame
@@ -66,10 +81,20 @@ class Occupied(PartlyShared):
         n = len(self.boxes)
         filled, passed = np.zeros(n, np.int32), np.zeros(n, np.int32)
         fill(depth, camera_of(known.view, depth, known.body), self.boxes, filled, passed)
-        lines = np.where(self._known, filled + passed, 0)
+        self.open |= self._by_open(known)
+        lines = np.where(self._known & self.open, filled + passed, 0)
         better = (lines >= LEAST_LINES) & (lines >= self._lines)
-        self._lines[better], self.now = lines[better], filled
+        self._lines[better], self.now = lines[better], np.minimum(filled, lines)
         self.filled[better] = filled[better] / lines[better]
+
+    def _by_open(self, known: SemanticMap) -> NDArray[np.bool_]:
+        """(n,) places at containers that are open."""
+        opened = np.flatnonzero(known.opened[: known.n_tracks])
+        if not len(opened):
+            return np.zeros(len(self.boxes), bool)
+        box, of = self.boxes[:, None], known.box[opened][None]
+        apart = np.maximum(np.maximum(of[..., :3] - box[..., 3:], box[..., :3] - of[..., 3:]), 0.0)
+        return np.asarray((np.linalg.norm(apart, axis=2) <= AT_M).any(1))
 
     @property
     def asked(self) -> NDArray[np.bool_]:
