@@ -77,7 +77,7 @@ class RememberedPlaces(PartlyShared):
             known: the map with the newest frame.
             planner: updated here when a new plan is due.
             approach: finds the pose to walk to.
-            rival: probability of the best suspect that the detector found; places are no more than that one left alone.
+            rival: probability of the best suspect that the detector found; less probable places are left alone.
             blocked: whether the last move failed.
 
         Returns:
