@@ -122,7 +122,7 @@ def test_of_one_thing_the_track_stays_that_was_found_most_often() -> None:
 
 @pytest.mark.parametrize(("off_m", "gone"), [(0.02, [1]), (0.6, [])])
 def test_things_of_two_names_are_one_only_where_their_boxes_nearly_agree(off_m: float, gone: list[int]) -> None:
-    """Of one name they would be one in both cases."""
+    """Two boxes 0.02 m apart are one thing whatever their names; 0.6 m apart only if both have one name."""
     boxes = [CUPBOARD, CUPBOARD + np.array([off_m, 0, 0, off_m, 0, 0])]
     assert united(boxes, [FRIDGE, SOFA], [2.0, 1.0])[1] == gone
     assert united(boxes, [FRIDGE, FRIDGE], [2.0, 1.0])[1] == [1]

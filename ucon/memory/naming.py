@@ -40,7 +40,7 @@ class Slack(Shared):
     falls_m: float = 0.25
     """Distance in which the fit of what is next to a thing falls to a third."""
     looks: int = 0
-    """What was found from fewer sides than this may not be there."""
+    """Sides from which an anchor must have been found to count in full; from fewer it counts by its share of them."""
 
 
 EXACT = Slack()

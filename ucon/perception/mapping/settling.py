@@ -30,7 +30,7 @@ IN_VAIN = 0.5
 
 
 class LookBoxes(PartlyShared):
-    """What every side and distance showed of every track: looks that err together count once."""
+    """Boxes of tracks by side and distance, one each: looks from one side and distance err together."""
 
     _flat: ClassVar[frozenset[str]] = frozenset({"_most", "_names", "_boxes"})
 
