@@ -1,11 +1,14 @@
 """A cluster of two raylets on this machine."""
 
 import os
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
+#: Most seconds until workers that were started have a place.
+PLACED_S = 60.0
 
 
 class Raylets:
@@ -18,6 +21,15 @@ class Raylets:
         self._cluster = Cluster(initialize_head=True, head_node_args=options | {"include_dashboard": False})
         self._second = self._cluster.add_node(**options)
         self.address: str = self._cluster.address
+
+    def wait_until_full(self) -> None:
+        """Wait until every CPU has a worker, so that a raylet that is killed then takes one with it."""
+        import ray
+
+        end = time.monotonic() + PLACED_S
+        while ray.available_resources().get("CPU", 0):
+            assert time.monotonic() < end, "workers without a place"
+            time.sleep(0.1)
 
     def kill_second(self) -> None:
         """Kill it with all its workers, as where a machine is lost."""

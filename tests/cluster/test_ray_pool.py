@@ -84,9 +84,15 @@ def test_labels_are_those_made_here(cluster, tmp_path, monkeypatch):
 
 def test_lives_are_those_made_here_although_a_raylet_is_killed(capfd):
     order = replace(train_order(2, contexts_book(), days=1), changes=False)
-    orders = [replace(order, id=f"life {k}", seed=order.seed + k) for k in range(3)]
+    orders = [replace(order, id=f"life {k}", seed=order.seed + k) for k in range(5)]
     with two_raylets() as made, pools_from(RayRunner(made.address).pool):
-        found = make_lives(orders, workers=2, progress=lambda done: made.kill_second() if done == 1 else None)
+
+        def kill(done):
+            if done == 1:
+                made.wait_until_full()
+                made.kill_second()
+
+        found = make_lives(orders, workers=2, progress=kill)
     assert [life.hash for life in found] == [life.hash for life in make_lives(orders, workers=1)]
     assert "warning: worker " in capfd.readouterr().err
 

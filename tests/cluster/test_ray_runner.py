@@ -103,6 +103,7 @@ def test_a_raylet_that_is_killed_costs_nothing(alone, capfd):
         def on_played(one):
             kept.append(one)
             if len(kept) == 2:
+                made.wait_until_full()
                 made.kill_second()
 
         runner = RayRunner(made.address)
