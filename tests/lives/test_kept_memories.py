@@ -81,6 +81,17 @@ def test_after_a_kill_records_and_memory_are_the_same(base: Path, kept: Path, li
     assert (kept / log_name(life.id)).read_bytes() == memory
 
 
+def test_a_replay_leaves_what_is_kept_as_it_is(
+    base: Path, life: Life, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "kept"
+    run_of(base, f"memory.keep={folder}", out="played").play()
+    (folder / log_name(life.id)).write_text("mine")
+    assert main(["replay", str(base / "played"), "--workers", "0", "--out", str(tmp_path / "out")]) == 0
+    assert "the same to the byte" in capsys.readouterr().out
+    assert (folder / log_name(life.id)).read_text() == "mine"
+
+
 def test_a_memory_of_later_or_of_another_version_is_refused(base: Path, kept: Path, life: Life, tmp_path: Path) -> None:
     with pytest.raises(DataError, match=r"it is day 0, .* goes on to day 1; begin with an earlier") as raised:
         run_of(base, f"memory.given={kept}", out="later").play()
