@@ -106,8 +106,6 @@ def _replay(folder: Path, out: Path, every: int, config: dict[str, Any], workers
         "pictures": 0,
         "progress": True,
     }
-    if isinstance(memory := config.get("memory"), dict) and "keep" in memory:
-        memory["keep"] = None  # that folder is the user's
     with stdout_to_stderr():
         run = Evaluation(config, out, anew=True)
         kept.check([episode.id for episode in run.episodes], every)
