@@ -9,6 +9,7 @@ nothing that could be opened is.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +24,7 @@ from models.nets.end_to_end.ego_view import THING_FEATURES
 from models.nets.end_to_end.floor_memory import (
     ENDLESS,
     N_TRACKS,
+    OUTLOOK,
     TOTALS,
     MemoryStep,
     Outlook,
@@ -58,9 +60,10 @@ if TYPE_CHECKING:
 
 _MAX_STEPS = 300.0
 #: In play, a pose shows nothing more after so many steps in it: there it looked up and down, and opened what can be
-#: opened. Without, it stays where it believes in what it cannot reach. While it learns from labels nothing is left out,
-#: since the expert may know better than to stay.
-_PATIENCE = 8
+#: opened. Without, it stays where it believes in what it cannot reach. What was looked at closely counts for nothing,
+#: or it goes round in a room that it has seen. While it learns from labels nothing is left out, since the expert may know
+#: better.
+_PATIENCE = 4
 _N_LOOKS = 5
 #: Log odds of Done where the target is not near, and of Open where nothing can be opened, whatever the network says.
 #: Subtracting a constant from a logit does not work: some solutions end farther off, so training raised that of Done
@@ -74,6 +77,8 @@ _TOTALS_UNIT = (10.0, 10.0, 0.1)
 #: Frames that the map memory is written from, and the parts of the state that hold it.
 _WRITTEN = ("pose", "status", "patch", "look", "thing_ids", "thing_tracks", "pair_cell", "pair_row")
 _MAPS = ("flags", "look", "visits", "who", "kind", "extent", "opened")
+#: A look turns the camera by so much; within this distance of a remembered target, to its height alone.
+_LOOK_RAD, _CLOSE_M = math.pi / 6, 1.5
 _N_STATUS = _N_LOOKS + 8 + 2 + 5 + 8 + len(SUMMARY_FEATURES)
 
 
@@ -257,6 +262,8 @@ class HabitPolicyE2E(PolicyModule):
         planned = torch.cat([log_p[..., :3], log_p[..., 3:].expand(*log_p.shape[:-1], 4)], -1)
         trust = 1.0 if self.training else self._trust
         logits = _possible(self.choose(thought) + trust * self.plan_weight * planned, seen)
+        if not self.training:
+            logits = _bent_on(logits, remembered, frames["pose"], seen.in_view)
         value = self.judge(thought).squeeze(-1)
         outputs = PolicyOutputs(
             logits.float(), value.float(), {**new, **memory, "aim": ways.aim}, views=self._apart(ways, frames)
@@ -350,7 +357,10 @@ class HabitPolicyE2E(PolicyModule):
             mass = write(new, step, belief, openable)
             known = (tracks >= 0) & (tracks < N_TRACKS)
             opened.append(new["opened"].gather(1, tracks.long().clamp(0, N_TRACKS - 1)) & known)
-            seen_from.append(outlook(new, mass, pose, reach, ENDLESS if self.training else _PATIENCE))
+            shown = outlook(new, mass, pose, reach, ENDLESS if self.training else _PATIENCE)
+            if not self.training:
+                shown.counts[:, OUTLOOK.index("used")] = 0.0
+            seen_from.append(shown)
             remembered.append(from_here(new["target_at"], pose.long()))
         joined = Outlook(*(torch.cat(parts).to(device) for parts in zip(*seen_from, strict=True)))
         return (
@@ -391,6 +401,26 @@ class HabitPolicyE2E(PolicyModule):
 def _padded(belief: Tensor) -> Tensor:
     """Belief (B, n + 1, 4) float32, with 0 in the last row, for names outside the catalogue."""
     return nn.functional.pad(belief.float(), (0, 0, 0, 1))
+
+
+def _bent_on(logits: Tensor, remembered: Tensor, pose: Tensor, in_view: Tensor) -> Tensor:
+    """Logits (..., 7) of an agent that saw the target: it opens nothing, and nearby looks only to the target's height.
+
+    Args:
+        logits: (..., 7).
+        remembered: (..., 5) of :func:`from_here`.
+        pose: (..., 4) of the agents.
+        in_view: (...) bool, whether the target shows.
+    """
+    seen, up, away = remembered[..., 0] > 0.5, 4.0 * remembered[..., 3], 4.0 * remembered[..., 4]
+    wanted = torch.round(torch.atan2(up, away.clamp(min=0.1)) / _LOOK_RAD)
+    close = seen & (away <= _CLOSE_M) & ~in_view
+    look, kept = pose[..., 3], list(logits.unbind(-1))
+    for action, idle in (
+        (Action.OPEN, seen), (Action.LOOK_UP, close & (look >= wanted)), (Action.LOOK_DOWN, close & (look <= wanted)),
+    ):  # fmt: skip
+        kept[action] = torch.where(idle, kept[action] + _NEVER, kept[action])
+    return torch.stack(kept, -1)
 
 
 def _possible(logits: Tensor, seen: Seen) -> Tensor:

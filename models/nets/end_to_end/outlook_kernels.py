@@ -22,6 +22,8 @@ _MOST: Final = 22
 _DEEPER, _DEEP_CELLS = np.float32(0.8825), 12
 #: Containers can be opened from so many cells away, and the target is taken from there.
 _REACH_CELLS = 4
+#: The target shows as well where it was seen so many cells behind something opaque: between the boards of a shelf.
+_DEPTH_CELLS = 2
 _CELL_M2 = 0.0625
 #: Bits of a cell of the window, as rays read it.
 _KNOWN, _END, _AIM, _FRESH, _HOLDS, _SHUT = 1, 2, 4, 8, 16, 32
@@ -229,6 +231,10 @@ def _look_from(  # noqa: C901 (one loop over the cells of rays; parts of it woul
             if bits & _END:
                 if clear == k + 1:
                     clear = -clear
+                for deeper in range(k + 1, min(k + 1 + _DEPTH_CELLS, _MOST)):
+                    u, v = u0 + _CELL[h, ray, deeper, 0], v0 + _CELL[h, ray, deeper, 1]
+                    if window[u, v] & _AIM:
+                        aim = max(aim, np.float32(1.0 if deeper < _REACH_CELLS else 2.0 / (deeper + 1)))
                 break
             if deep >= _DEEP_CELLS:
                 break

@@ -21,7 +21,7 @@ _NEVER: Final = -1e4
 #: Added to the probability of each first action.
 _LEAST: Final = math.exp(-12.0)
 #: Worth of a pose that shows nothing.
-_NOTHING: Final = 1e-4
+_NOTHING: Final = 1e-7
 #: Initial worth of a unit of each count: of the belief, of a square metre, of the target.
 _WORTH: Final = {
     "on": 1.0, "beside": 0.6, "inside": 1.0, "used": 0.05, "closed": 1.0, "space": 0.01, "thin": 0.002, "target": 10.0,

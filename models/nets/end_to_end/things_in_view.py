@@ -40,6 +40,8 @@ class Seen(NamedTuple):
     """(T, B, N) attention of the agent to each thing."""
     near: Tensor
     """(T, B) bool, True where the target may be in reach."""
+    in_view: Tensor
+    """(T, B) bool, True where the target shows."""
     openable: Tensor
     """(T, B) bool, True where Open may open something: a closed container shows and is in reach."""
 
@@ -122,7 +124,7 @@ class ThingsInView(nn.Module):
         told = (focus[..., None] * self._value(attention, context)).sum(-2)
         summary = torch.cat([pooled, largest, told], -1)
         near = (is_target & (things[..., THING_FEATURES.index("nearest_m")] <= TAKE_M)).any(-1)
-        return Seen(summary, _cues(is_target, reach, closed, things, mass), attention, focus, near, closed.any(-1))
+        return Seen(summary, _cues(is_target, reach, closed, things, mass), attention, focus, near, is_target.any(-1), closed.any(-1))
 
     def _names(self, row: Tensor) -> Tensor:
         """Projected names of categories; projects rows or the whole table first, whichever is smaller."""
