@@ -61,8 +61,8 @@ if TYPE_CHECKING:
 _MAX_STEPS = 300.0
 #: In play, a pose shows nothing more after so many steps in it: there it looked up and down, and opened what can be
 #: opened. Without, it stays where it believes in what it cannot reach. What was looked at closely counts for nothing,
-#: or it goes round in a room that it has seen. While it learns from labels nothing is left out, since the expert may know
-#: better.
+#: or it goes round in a room that it has seen. While it learns from labels nothing is left out, since the expert may
+#: know better.
 _PATIENCE = 4
 _N_LOOKS = 5
 #: Log odds of Done where the target is not near, and of Open where nothing can be opened, whatever the network says.
@@ -263,7 +263,7 @@ class HabitPolicyE2E(PolicyModule):
         trust = 1.0 if self.training else self._trust
         logits = _possible(self.choose(thought) + trust * self.plan_weight * planned, seen)
         if not self.training:
-            logits = _bent_on(logits, remembered, frames["pose"], seen.in_view)
+            logits = bent_on(logits, remembered, frames["pose"], seen.in_view)
         value = self.judge(thought).squeeze(-1)
         outputs = PolicyOutputs(
             logits.float(), value.float(), {**new, **memory, "aim": ways.aim}, views=self._apart(ways, frames)
@@ -403,7 +403,7 @@ def _padded(belief: Tensor) -> Tensor:
     return nn.functional.pad(belief.float(), (0, 0, 0, 1))
 
 
-def _bent_on(logits: Tensor, remembered: Tensor, pose: Tensor, in_view: Tensor) -> Tensor:
+def bent_on(logits: Tensor, remembered: Tensor, pose: Tensor, in_view: Tensor) -> Tensor:
     """Logits (..., 7) of an agent that saw the target: it opens nothing, and nearby looks only to the target's height.
 
     Args:

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 import torch
 
-from models.habit_policy_e2e import HabitPolicyE2E
+from models import habit_policy_e2e
+from models.habit_policy_e2e import HabitPolicyE2E, bent_on
 from models.nets.belief.head_reader import default_head_reader
 from models.nets.end_to_end.ego_kernels import BLOCKED, EXPLORED, SEEN_FLOOR
 from models.nets.end_to_end.ego_view import ASIDE, BEHIND, N_PAIRS, N_THINGS
-from models.nets.end_to_end.floor_memory import HALF, track_belief
+from models.nets.end_to_end.floor_memory import HALF, OUTLOOK, outlook, track_belief
 from models.nets.end_to_end.memory_kernels import VISITED
 from models.nets.end_to_end.reasons import reasons
 from ucon.core.errors import ConfigError
@@ -330,6 +331,44 @@ def test_what_an_expert_thinks_of_views_is_told_in_nats(policy, walks):
 def test_a_factor_that_does_not_fit_is_named(name, value):
     with pytest.raises(ConfigError, match=rf"agent\.policy\.{name}=.*above 0, at most 100"):
         HabitPolicyE2E(**{name: value})
+
+
+@pytest.mark.parametrize(
+    ("up_m", "away_m", "look", "left"),
+    [
+        (0.5, 0.9, 0, {Action.LOOK_UP}),
+        (0.5, 0.9, 1, set()),
+        (-0.5, 0.9, 1, {Action.LOOK_DOWN}),
+        (0.5, 2.0, 0, {Action.LOOK_UP, Action.LOOK_DOWN}),
+    ],
+)
+def test_who_saw_the_target_opens_nothing_and_looks_to_its_height(up_m, away_m, look, left):
+    logits, pose = torch.zeros(1, 1, 7), torch.tensor([[[0, 0, 0, look]]])
+    remembered = torch.tensor([[[1.0, away_m, 0.0, up_m, away_m]]]) / torch.tensor([1.0, 4, 4, 4, 4])
+    hidden, shown = torch.tensor([[False]]), torch.tensor([[True]])
+    kept = {action for action in Action if bent_on(logits, remembered, pose, hidden)[0, 0, action] == 0}
+    looks = {Action.LOOK_UP, Action.LOOK_DOWN}
+    assert kept == set(Action) - looks - {Action.OPEN} | left
+    assert {action for action in Action if bent_on(logits, remembered, pose, shown)[0, 0, action] == 0} == {*Action} - {
+        Action.OPEN
+    }, "while it shows it may look around"
+    assert torch.equal(bent_on(logits, torch.zeros(1, 1, 5), pose, hidden), logits), "not seen yet"
+
+
+def test_in_play_what_was_looked_at_closely_counts_for_nothing(walks, monkeypatch):
+    made = []
+    monkeypatch.setattr(habit_policy_e2e, "outlook", lambda *given: made.append(outlook(*given)) or made[-1])
+    acting = random_policy()
+    for policy in (acting, random_policy().train()):
+        frames, context = episode(policy, walks["gt"])
+        with torch.no_grad():
+            policy(frames, context, policy.initial_state(1))
+    play, learning = (
+        torch.stack([one.counts for one in part]) for part in (made[: len(made) // 2], made[len(made) // 2 :])
+    )
+    assert not play[:, :, OUTLOOK.index("used")].any()
+    assert learning[:, :, OUTLOOK.index("used")].any()
+    assert play[:, :, OUTLOOK.index("on")].any()
 
 
 def test_in_play_the_plan_counts_more(walks):

@@ -86,7 +86,8 @@ def look_out(
     out[:] = 0.0
     for b in range(flags.shape[0]):
         i0, j0 = pose[b, 0] + half - reach - _MOST, pose[b, 1] + half - reach - _MOST
-        _open_window(i0, j0, flags[b], look[b], who[b], enough[b], window)
+        shown = _open_window(i0, j0, flags[b], look[b], who[b], enough[b], window)
+        deep_cells = _DEPTH_CELLS if shown else 0
         _lay_out(i0, j0, who[b], share[b], window, mass)
         things = (i0, j0, who[b], share[b], extent[b])
         for a in range(coarse):
@@ -108,7 +109,7 @@ def look_out(
                     if visits[b, h, i, j] >= patience:
                         found[:, h] = 0.0
                     else:
-                        _look_from(u, v, h, (window, mass), things, sight[b], counted, asked, mark, found)
+                        _look_from(u, v, h, (window, mass), things, sight[b], deep_cells, counted, asked, mark, found)
                 _been(i, j, visits[b], found)
                 for k in range(N_OUTLOOK):
                     for h in range(4):
@@ -116,7 +117,7 @@ def look_out(
 
 
 @leaf
-def _open_window(i0: int, j0: int, flags: U8, look: U8, who: I16, enough: int, window: U8) -> None:
+def _open_window(i0: int, j0: int, flags: U8, look: U8, who: I16, enough: int, window: U8) -> bool:
     """Write what rays ask of the cells around an agent; beyond the map they are unexplored.
 
     Args:
@@ -128,8 +129,11 @@ def _open_window(i0: int, j0: int, flags: U8, look: U8, who: I16, enough: int, w
         enough: what was seen as closely as this would have shown the target.
         window: (W, W) written: ``_KNOWN`` for explored, ``_END`` for opaque, ``_AIM`` for the target, ``_FRESH`` for
             not seen closely, ``_HOLDS`` for a cell with things.
+
+    Returns:
+        Whether the target was seen in one of them.
     """
-    size = flags.shape[0]
+    size, shown = flags.shape[0], 0
     window[:] = 0
     first, last = max(0, -j0), min(window.shape[1], size - j0)
     for u in range(max(0, -i0), min(window.shape[0], size - i0)):
@@ -137,7 +141,9 @@ def _open_window(i0: int, j0: int, flags: U8, look: U8, who: I16, enough: int, w
             i, j = i0 + u, j0 + v
             known, end, aim = flags[i, j] & EXPLORED != 0, flags[i, j] & OPAQUE != 0, flags[i, j] & TARGET != 0
             holds = (who[0, i, j] >= 0) | (who[1, i, j] >= 0)
+            shown |= aim
             window[u, v] = known * _KNOWN | end * _END | aim * _AIM | (look[i, j] < enough) * _FRESH | holds * _HOLDS
+    return shown != 0
 
 
 @leaf
@@ -175,7 +181,17 @@ def _lay_out(i0: int, j0: int, who: I16, share: F32, window: U8, mass: F32) -> N
 
 @leaf
 def _look_from(  # noqa: C901 (one loop over the cells of rays; parts of it would be called for every cell)
-    u0: int, v0: int, h: int, seen: Any, things: Any, sight: int, counted: U16, asked: I32, mark: int, out: F32
+    u0: int,
+    v0: int,
+    h: int,
+    seen: Any,
+    things: Any,
+    sight: int,
+    deep_cells: int,
+    counted: U16,
+    asked: I32,
+    mark: int,
+    out: F32,
 ) -> None:
     """Count what a node would show in a heading; cells and containers count once.
 
@@ -188,6 +204,7 @@ def _look_from(  # noqa: C901 (one loop over the cells of rays; parts of it woul
         seen: (W, W) of :func:`_open_window`, and (W, W, 4) of :func:`_lay_out`.
         things: the window's corner (i, j), who, share and extent of one map.
         sight: how many cells away the target would be seen.
+        deep_cells: how many cells behind something opaque it counts.
         counted: (_N_CELLS,) scratch: the last node and heading that counted each cell.
         asked: (N,) scratch, the same of containers.
         mark: number of the node and heading, from 1.
@@ -200,8 +217,9 @@ def _look_from(  # noqa: C901 (one loop over the cells of rays; parts of it woul
     label = np.uint16(mark & 0xFFFF)
     for ray in range(_CELL.shape[1]):
         start = min(_SAME[h, ray], abs(clear))
-        if clear < 0 and start == -clear:
-            continue  # it ends where the ray before ended
+        if clear < 0 and start == -clear:  # it ends where the ray before ended
+            aim = max(aim, _behind(u0, v0, h, ray, start - 1, window, deep_cells))
+            continue
         trust, deep, clear = np.float32(1.0), 0, start
         for k in range(start, _MOST):
             u, v = u0 + _CELL[h, ray, k, 0], v0 + _CELL[h, ray, k, 1]
@@ -227,19 +245,31 @@ def _look_from(  # noqa: C901 (one loop over the cells of rays; parts of it woul
                         if k < _REACH_CELLS and bits & _SHUT:
                             out[CLOSED, h] += _closed(u, v, things, asked, mark)
                     if bits & _AIM:
-                        aim = max(aim, np.float32(1.0 if k < _REACH_CELLS else 2.0 / (k + 1)))
+                        aim = max(aim, _aim(k))
             if bits & _END:
                 if clear == k + 1:
                     clear = -clear
-                for deeper in range(k + 1, min(k + 1 + _DEPTH_CELLS, _MOST)):
-                    u, v = u0 + _CELL[h, ray, deeper, 0], v0 + _CELL[h, ray, deeper, 1]
-                    if window[u, v] & _AIM:
-                        aim = max(aim, np.float32(1.0 if deeper < _REACH_CELLS else 2.0 / (deeper + 1)))
+                aim = max(aim, _behind(u0, v0, h, ray, k, window, deep_cells))
                 break
             if deep >= _DEEP_CELLS:
                 break
     out[ON, h], out[BESIDE, h], out[INSIDE, h], out[USED, h] = on, beside, inside, used
     out[SPACE, h], out[TARGETED, h], out[THIN, h] = space, aim, np.float32(_CELL_M2) * np.float32(fresh)
+
+
+@merged
+def _aim(k: int) -> np.float32:
+    """How much a target counts that is the k-th cell of a ray, from 0."""
+    return np.float32(1.0 if k < _REACH_CELLS else 2.0 / (k + 1))
+
+
+@leaf
+def _behind(u0: int, v0: int, h: int, ray: int, end: int, window: U8, most: int) -> np.float32:
+    """How much a target counts that was seen up to ``most`` cells behind the opaque cell in which a ray ends."""
+    for k in range(end + 1, min(end + 1 + most, _MOST)):
+        if window[u0 + _CELL[h, ray, k, 0], v0 + _CELL[h, ray, k, 1]] & _AIM:
+            return _aim(k)
+    return np.float32(0.0)
 
 
 @leaf

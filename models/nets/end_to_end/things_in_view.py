@@ -124,7 +124,15 @@ class ThingsInView(nn.Module):
         told = (focus[..., None] * self._value(attention, context)).sum(-2)
         summary = torch.cat([pooled, largest, told], -1)
         near = (is_target & (things[..., THING_FEATURES.index("nearest_m")] <= TAKE_M)).any(-1)
-        return Seen(summary, _cues(is_target, reach, closed, things, mass), attention, focus, near, is_target.any(-1), closed.any(-1))
+        return Seen(
+            summary,
+            _cues(is_target, reach, closed, things, mass),
+            attention,
+            focus,
+            near,
+            is_target.any(-1),
+            closed.any(-1),
+        )
 
     def _names(self, row: Tensor) -> Tensor:
         """Projected names of categories; projects rows or the whole table first, whichever is smaller."""

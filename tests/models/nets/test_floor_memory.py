@@ -250,6 +250,13 @@ def one_by_one(  # noqa: C901 (the definition, cell by cell)
                             out[4, h] += share[track, 3] * maps["extent"][track]
                     if bits & memory_kernels.TARGET:
                         best = max(best, 1.0 if k < 4 else 2.0 / (k + 1))
+                if bits & OPAQUE:
+                    for beyond in range(k + 1, min(k + 3, 22)):
+                        i, j = (int(c) for c in np.array(at) + RAY_CELL[ray, beyond])
+                        within = 0 <= i < SIZE and 0 <= j < SIZE
+                        if within and maps["flags"][i, j] & memory_kernels.TARGET:
+                            best = max(best, 1.0 if beyond < 4 else 2.0 / (beyond + 1))
+                            break
                 if bits & OPAQUE or deep >= 12:
                     break
         out[7, h] = best
@@ -316,6 +323,15 @@ def test_space_beyond_what_is_explored() -> None:
     assert found[0, HERE + 3, HERE] > 1.0
     blank = counted(seen_from(written(step(floor=8, tall=tuple(cell(8, k) for k in range(-40, 41))))), "space")
     assert blank[0, HERE + 3, HERE] < 0.5 * found[0, HERE + 3, HERE]
+
+
+def test_a_target_in_a_shelf_shows_from_in_front() -> None:
+    """Seen between its boards, whose front is tall; not so what lies deeper than a shelf."""
+    front = tuple(cell(5, left) for left in range(-2, 3))
+    shelf = seen_from(written(step((cell(6), 4, TABLE), floor=8, target=TABLE, tall=front)))
+    assert counted(shelf, "target")[0, HERE + 1, HERE] == 1.0
+    deeper = seen_from(written(step((cell(8), 4, TABLE), floor=8, target=TABLE, tall=front)))
+    assert not counted(deeper, "target")[0, : HERE + 2, HERE].any()
 
 
 def test_the_target_and_where_it_was() -> None:
