@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 import torch
 from torch import Tensor, nn
-from torch.nn.functional import relu
+from torch.nn.functional import linear, relu
 
-from models.nets.policy_defaults import N_ACTIONS, PolicyModule, lstm_state, run_lstm
+from models.nets.policy_defaults import N_ACTIONS, PolicyModule, lstm_state
 from models.nets.vision.backbone import FrozenBackbone
 from models.nets.vision.detr_tokens import DetrTokens
 from models.nets.vision.local_tokens import LabelTokens, indicator
@@ -146,14 +146,23 @@ class VTN(_Seeing):
 
         Shapes as in :class:`ucon.learning.policies.action_policy.ActionPolicy`.
         """
-        logits, hidden = [], []
-        for seen in self.seen(frames, context):  # (B, 3136)
-            inputs = torch.cat([seen, relu(self.action_embed(state["probabilities"]))], -1)
-            outputs, memory = run_lstm(self.lstm, inputs[None], state)
-            logits.append(self.actor(outputs[0]).float())
-            hidden.append(outputs[0])
-            state = memory | {"probabilities": logits[-1].softmax(-1)}
-        return PolicyOutputs(torch.stack(logits), self.critic(torch.stack(hidden))[..., 0].float(), state)
+        # The first layer reads all frames at once; what is left of a step is what depends on the step before.
+        seen = self.seen(frames, context)  # (T, B, 3136)
+        w = dict(self.lstm.named_parameters())
+        from_frames, from_action = w["weight_ih_l0"].split([VISUAL_WIDTH, _ACTION_WIDTH], 1)
+        first = torch.cat([from_action, w["weight_hh_l0"]], 1)
+        second, bias = torch.cat([w["weight_ih_l1"], w["weight_hh_l1"]], 1), w["bias_ih_l1"] + w["bias_hh_l1"]
+        logits, hidden, probabilities = [], [], state["probabilities"]
+        (h0, h1), (c0, c1) = (state[name].unbind(1) for name in ("hidden", "cell"))
+        for gates in linear(seen, from_frames, w["bias_ih_l0"] + w["bias_hh_l0"]):
+            acted = relu(self.action_embed(probabilities))
+            h0, c0 = _lstm_cell(gates + linear(torch.cat([acted, h0], -1), first), c0)
+            h1, c1 = _lstm_cell(linear(torch.cat([h0, h1], -1), second, bias), c1)
+            logits.append(self.actor(h1).float())
+            hidden.append(h1)
+            probabilities = logits[-1].softmax(-1)
+        after = {"hidden": torch.stack([h0, h1], 1), "cell": torch.stack([c0, c1], 1), "probabilities": probabilities}
+        return PolicyOutputs(torch.stack(logits), self.critic(torch.stack(hidden))[..., 0].float(), after)
 
     def _load_pretrained(self, pretraining: VTNPretraining, path: str) -> None:
         """Load the pre-trained visual transformer."""
@@ -185,6 +194,13 @@ class VTNPretraining(_Seeing):
         return PolicyOutputs(logits, torch.zeros_like(logits[..., 0]), {})
 
 
+def _lstm_cell(gates: Tensor, cell: Tensor) -> tuple[Tensor, Tensor]:
+    """Output and new cell (B, hidden) of a layer, float32, from its gates (B, 4 * hidden) in PyTorch's order."""
+    taken, kept, new, shown = gates.float().chunk(4, -1)
+    cell = torch.sigmoid(kept) * cell + torch.sigmoid(taken) * torch.tanh(new)
+    return torch.sigmoid(shown) * torch.tanh(cell), cell
+
+
 def _initialise(policy: _Seeing) -> None:
     """VTNet's initialisation: Glorot; rows of the actor with norm 0.01, of the critic 1; an LSTM without bias."""
     policy.apply(glorot_)
@@ -197,7 +213,7 @@ def _initialise(policy: _Seeing) -> None:
             for name, weights in module.named_parameters():
                 nn.init.zeros_(weights) if name.startswith("bias") else nn.init.uniform_(weights, -bound, bound)
     if isinstance(policy, VTN):
-        for linear, length in ((policy.actor, 0.01), (policy.critic[0], 1.0), (policy.critic[1], 1.0)):
-            assert isinstance(linear, nn.Linear)
-            nn.init.normal_(linear.weight)
-            linear.weight.data.mul_(length / linear.weight.data.norm(dim=1, keepdim=True))
+        for layer, length in ((policy.actor, 0.01), (policy.critic[0], 1.0), (policy.critic[1], 1.0)):
+            assert isinstance(layer, nn.Linear)
+            nn.init.normal_(layer.weight)
+            layer.weight.data.mul_(length / layer.weight.data.norm(dim=1, keepdim=True))

@@ -54,6 +54,21 @@ def test_budgets_are_counted(learner):
     assert steps[2]["labels"] == total
 
 
+def test_a_batch_is_learned_from_at_once_or_every_few_chunks(learner):
+    """The first update of the first chunk sees the same weights; later ones see those that it left."""
+    once, twice, each = (learner(n_episodes=1, batch=1, chunk=3, update_every=n) for n in (None, 2, 1))
+    n_chunks = -(-len(once.episodes[0].solution) // 3)
+    steps = [one.step() for one in (once, twice, each)]
+    assert [one.updates.taken for one in (once, twice, each)] == [1, -(-n_chunks // 2), n_chunks]
+    assert n_chunks > 2
+    assert len({figures["loss"] for figures in steps}) == 3
+    assert {figures["frames"] for figures in steps} == {float(len(once.episodes[0].solution))}
+    all_at_once = learner(n_episodes=1, batch=1, chunk=3, update_every=n_chunks)
+    assert all_at_once.step() == steps[0]
+    with pytest.raises(ConfigError, match=r"update_every=0: .*null, or above 0"):
+        learner(update_every=0)
+
+
 @pytest.mark.parametrize("half", [False, True])
 def test_it_begins_with_the_weights_of_another_run(learner, tmp_path, half):
     first = learner(steps=3, half=half)

@@ -74,6 +74,27 @@ def test_it_starts_as_its_papers_code_does(vtn: VTN) -> None:
     assert 0.99 * bound < vtn.visual.local_embed.weight.abs().max() <= bound
 
 
+def test_frames_at_once_give_what_the_lstm_gives_step_by_step(vtn: VTN) -> None:
+    torch.manual_seed(0)
+    frames = {
+        "map": torch.rand(5, 2, 512, 7, 7).half(), "label": torch.randint(0, 9, (5, 2, 100), dtype=torch.int16),
+        "score": torch.ones(5, 2, 100).half(), "box": torch.rand(5, 2, 100, 4).half(),
+    }  # fmt: skip
+    context, before = {"target": torch.tensor([3, 4])}, vtn.initial_state(2)
+    with torch.no_grad():
+        found = vtn(frames, context, before)
+        memory = tuple(before[name].transpose(0, 1) for name in ("hidden", "cell"))
+        for t, seen in enumerate(vtn.seen(frames, context)):
+            acted = torch.relu(vtn.action_embed(before["probabilities"]))
+            outputs, memory = vtn.lstm(torch.cat([seen, acted], -1)[None], memory)
+            logits = vtn.actor(outputs[0])
+            before = {"probabilities": logits.softmax(-1)}
+            assert torch.allclose(found.logits[t], logits, atol=1e-7)
+    for name, layers in zip(("hidden", "cell"), memory, strict=True):
+        assert torch.allclose(found.state[name], layers.transpose(0, 1), atol=1e-5)
+    assert float(found.logits.std()) > 1e-5
+
+
 def test_dropout_is_of_training_and_pretraining_has_none() -> None:
     rates = {m.p for m in VTN().modules() if isinstance(m, torch.nn.Dropout)}
     assert rates == {0.1}

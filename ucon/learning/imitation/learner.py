@@ -154,7 +154,7 @@ class ImitationLearner:
             yield [Job(*self.assigned(item)) for item in items]
 
     def step(self) -> Figures:
-        """Update the policy on one batch.
+        """Learn from one batch.
 
         Returns:
             The figures of the loss, ``gradient`` (norm before clipping), ``rate``, ``frames``
@@ -173,9 +173,8 @@ class ImitationLearner:
         self.train_mode()
         for frames in batch.frames:
             self.act.update_statistics(frames)
-        self.updates.begin()
-        sums = self._pass(batch, backward=True)
-        figures = self.loss.figures(sums) | self.updates.take(self.done)
+        sums, taken = self._learn_from(batch)
+        figures = self.loss.figures(sums) | taken
         self.labels += sum(len(replay) for _, replay in pairs[: max(0, len(self.episodes) - self.done * self.batch)])
         self.done += 1
         self.frames += sum(batch.lengths)
@@ -216,7 +215,8 @@ class ImitationLearner:
         with torch.no_grad(), part("validating demonstrations", len(batches)) as tick:
             for number, pairs in enumerate(self.feeder(batches), 1):
                 tick(number)
-                sums += self._pass(Batch(pairs, self.loss.discount, self.device), backward=False)
+                for _, of_chunk in self._passed(Batch(pairs, self.loss.discount, self.device)):
+                    sums += of_chunk
         return self.loss.figures(sums)
 
     def state_dict(self) -> State:
@@ -277,13 +277,28 @@ class ImitationLearner:
         self._stream = None  # batches ahead were lost with the workers
         self.players.close()
 
-    def _pass(self, batch: Batch, *, backward: bool) -> Tensor:
-        """Forward pass over a batch, chunk by chunk; with ``backward`` it also accumulates the gradient.
+    def _learn_from(self, batch: Batch) -> tuple[Tensor, Figures]:
+        """Update the policy on a batch, once or every few chunks.
 
         Returns:
-            (n_sums,) float64 on the CPU, the sums that the loss makes figures of.
+            (n_sums,) float64 on the CPU, the sums that the loss makes figures of; and the figures of the updates, means
+            over them.
         """
-        total = torch.zeros(self.loss.n_sums, dtype=torch.float64)
+        n_chunks = batch.n_chunks(self.options.chunk)
+        every = self.options.update_every or n_chunks
+        n_updates = -(-n_chunks // every)
+        total, taken = torch.zeros(self.loss.n_sums, dtype=torch.float64), []
+        self.updates.begin()
+        for number, (loss, sums) in enumerate(self._passed(batch), 1):
+            (n_updates * loss).backward()  # type: ignore[no-untyped-call]
+            total += sums
+            if number % every == 0 or number == n_chunks:
+                taken.append(self.updates.take(self.done))
+                self.updates.begin()
+        return total, {name: float(np.mean([figures[name] for figures in taken])) for name in taken[0]}
+
+    def _passed(self, batch: Batch) -> Iterator[tuple[Tensor, Tensor]]:
+        """Forward pass over a batch: of each chunk its share of the loss, and the sums that figures are made of."""
         scale = self.loss.scale(batch)
         state: Mapping[str, Tensor] = self.act.initial_state(len(batch.lengths))
         kind = torch.device(self.device).type
@@ -295,10 +310,7 @@ class ImitationLearner:
             loss, sums = self.loss(outputs, chunk, scale)
             if not bool(torch.isfinite(loss)):
                 self._diverged(chunk, outputs._asdict())
-            if backward:
-                loss.backward()  # type: ignore[no-untyped-call]
-            total += sums
-        return total
+            yield loss, sums
 
     def _diverged(self, chunk: Chunk, outputs: Mapping[str, Any]) -> None:
         """Raise an error that names the first tensor, from inputs to loss, that is not finite."""

@@ -75,6 +75,10 @@ class Batch:
             made = policy.augment({name: tensor[:, None] for name, tensor in frames.items()}, generator)
             self.frames[number] = {name: tensor[:, 0] for name, tensor in made.items()}
 
+    def n_chunks(self, steps: int) -> int:
+        """Number of chunks of up to ``steps`` steps."""
+        return -(-self.lengths[0] // steps)
+
     def chunks(self, steps: int) -> Iterator[Chunk]:
         """The batch in chunks of up to ``steps`` steps, in order; each holds the episodes that reach its first step."""
         for begin in range(0, self.lengths[0], steps):

@@ -98,6 +98,7 @@ class ImitationOptions(PolicyOptions):
 
     Args:
         batch: episodes of one step; ``auto``: the demonstrator's number, four times as many on a GPU.
+        update_every: chunks from one update to the next; None: one update for all of a batch.
         workers: processes that play episodes ahead; 0 plays them in this one. The result does not depend on it.
         worker_timeout_s: seconds that workers may take for the next batch; then they are replaced.
         memory_gb: memory for replays, compressed, that are kept for the next epoch.
@@ -110,6 +111,7 @@ class ImitationOptions(PolicyOptions):
     average: float = 0.0
     half: bool = True
     batch: int | Literal["auto"] = 16
+    update_every: int | None = None
     workers: int = 0
     worker_timeout_s: float = WORKER_TIMEOUT_S
     memory_gb: float = 1.0
@@ -118,6 +120,8 @@ class ImitationOptions(PolicyOptions):
         super().__post_init__()
         wanted = f"at least 0 and whole, at most {MOST_WORKERS}"
         check(wanted, lambda x: 0 <= x <= MOST_WORKERS, (int,), workers=self.workers)
+        if self.update_every is not None:
+            check("null, or above 0 and whole", lambda x: x > 0, (int,), update_every=self.update_every)
         check("at least 0", lambda x: 0 <= x < _MOST, memory_gb=self.memory_gb)
         check_timeout("learner.worker_timeout_s", self.worker_timeout_s)
 
