@@ -9,6 +9,7 @@ import torch
 from torch import Tensor
 
 from models.nets.vision.frozen import without_models
+from ucon.core.device import cpu_precision
 
 SIDE: Final = 7
 """Side of the map."""
@@ -21,7 +22,10 @@ _REMEMBERED: Final = 256
 
 
 class FrozenBackbone:
-    """Maps of frames by a network that is never trained, rounded to float16."""
+    """Maps of frames by a network that is never trained, rounded to float16.
+
+    Processors that have it compute in bfloat16, in half of the time; it moves maps by 1 to 3 %.
+    """
 
     channels: ClassVar[int]
     """Channels of the map."""
@@ -55,12 +59,11 @@ class FrozenBackbone:
         Returns:
             (N, channels, 7, 7) float16 on the frames' device.
         """
-        with torch.autocast(rgb.device.type, enabled=False):  # stored maps must not depend on the training precision
-            if len(rgb) == 1 and not rgb.is_cuda:
-                return self._remembered(rgb)
-            parts = [self._computed(part) for part in rgb.split(_CHUNK if rgb.is_cuda else _CHUNK_ON_CPU)]
-            empty = (0, self.channels, SIDE, SIDE)
-            return torch.cat(parts) if parts else rgb.new_zeros(empty, dtype=torch.float16)
+        if len(rgb) == 1 and not rgb.is_cuda:
+            return self._remembered(rgb)
+        parts = [self._computed(part) for part in rgb.split(_CHUNK if rgb.is_cuda else _CHUNK_ON_CPU)]
+        empty = (0, self.channels, SIDE, SIDE)
+        return torch.cat(parts) if parts else rgb.new_zeros(empty, dtype=torch.float16)
 
     def _remembered(self, rgb: Tensor) -> Tensor:
         key = rgb.numpy().tobytes()
@@ -75,7 +78,10 @@ class FrozenBackbone:
         images = torch.nn.functional.interpolate(images, (INPUT_PX, INPUT_PX), mode="bilinear", align_corners=False)
         mean, deviation = (images.new_tensor(values).view(3, 1, 1) for values in (self.mean, self.deviation))
         images = ((images - mean) / deviation).contiguous(memory_format=torch.channels_last)
-        return self._mapped(images).contiguous().half()
+        # Not in the precision of training, on which stored maps must not depend.
+        precise = images.is_cuda or cpu_precision(torch.bfloat16) == torch.float32
+        with torch.autocast(images.device.type, torch.bfloat16, enabled=not precise):
+            return self._mapped(images).contiguous().half()
 
     def _mapped(self, images: Tensor) -> Tensor:
         """Maps (N, channels, 7, 7) of normalised images (N, 3, 224, 224)."""

@@ -22,7 +22,7 @@ from ucon.learning.policies.playing import Job, Players, PolicyChooser, Seen
 from ucon.task.actions import Action
 
 if TYPE_CHECKING:
-    from torch import Tensor, nn
+    from torch import Tensor, dtype, nn
 
     from ucon.learning.policies.action_policy import ActionPolicy
 
@@ -57,6 +57,7 @@ class Collector:
         slots: most episodes of a part, which are played at once.
         max_steps: episodes are cut off after this many actions.
         device: that the policy plays on; it is moved there when the first part comes.
+        precision: of the passes of the policy that plays; None: float32.
 
     Attributes:
         replayer: plays trajectories again; the expert labels views anew, if the policy learns from them.
@@ -70,10 +71,11 @@ class Collector:
         slots: int,
         max_steps: int,
         device: str = "cpu",
+        precision: dtype | None = None,
     ) -> None:
         self._policy, self._expert, self._device = policy, expert, device
         self.replayer = Replayer(cast("ActionPolicy", policy), make_env, expert if learns_views(policy) else None)
-        self._players = Players(policy, make_env, slots, max_steps, keep_frames=True)
+        self._players = Players(policy, make_env, slots, max_steps, keep_frames=True, precision=precision)
 
     def __call__(self, part: CollectionPart) -> list[Played]:
         """Play one part.

@@ -13,10 +13,11 @@ from __future__ import annotations
 import copy
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
-from torch import Tensor
+from torch import Tensor, dtype
 
+from ucon.core.device import torch_precision
 from ucon.core.errors import ConfigError, brief
 from ucon.core.rng import stream
 from ucon.learning.imitation.collecting import CollectionPart, Collector
@@ -25,6 +26,7 @@ from ucon.learning.imitation.experts import Corrector, KnowingExpert
 from ucon.learning.imitation.feeding import Feeder
 from ucon.learning.imitation.trajectories import Trajectory
 from ucon.learning.policies.playing import Job
+from ucon.learning.run.options import DaggerOptions
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,8 @@ class DaggerLearner(CollectingLearner):
     """
 
     title = "DAgger"
+
+    options_of = DaggerOptions
 
     def __init__(self, rollouts: DaggerRollouts, expert: Corrector | None = None, **options: Any) -> None:
         if options.pop("demonstrator", None) is not None:
@@ -143,10 +147,19 @@ class DaggerLearner(CollectingLearner):
         """Nothing that was labelled is forgotten."""
         self.collected += made
 
+    @property
+    def resolved_options(self) -> Mapping[str, str | int]:
+        """As of other learners that collect, and ``play_precision``."""
+        return {**super().resolved_options, "play_precision": str(self._play_precision).removeprefix("torch.")}
+
+    @property
+    def _play_precision(self) -> dtype:
+        return torch_precision(cast(DaggerOptions, self.options).play_precision, self.play_device, on_cpu=True)
+
     def _made_feeder(self, **options: Any) -> Feeder:
         rollouts = self.rollouts
         collector = Collector(
             copy.deepcopy(self.policy).cpu(), self.make_env, self.expert, rollouts.slots, rollouts.max_steps,
-            self.play_device,
+            self.play_device, self._play_precision,
         )  # fmt: skip
         return super()._made_feeder(collector=collector, **options)

@@ -16,7 +16,7 @@ from ucon.learning.policies.action_policy import Arrays, rounded_logits, tensors
 from ucon.task.episode import Episode
 
 if TYPE_CHECKING:
-    from torch import Tensor, nn
+    from torch import Tensor, dtype, nn
 
     Env = Any
 
@@ -147,13 +147,22 @@ class Players:
         make_env: makes an environment of ``UcON-v0``; called as often as environments are needed.
         slots: environments played at once. Results can depend on it in their last bits, so it is part of the seed.
         max_steps: episodes are cut off after this many actions.
-        keep_frames: outcomes have what the policy saw.
+        keep_frames: outcomes have what the policy saw, after its frozen networks.
+        precision: of the network's passes; None: float32.
     """
 
     def __init__(
-        self, policy: nn.Module, make_env: Callable[[], Env], slots: int, max_steps: int, *, keep_frames: bool = False
+        self,
+        policy: nn.Module,
+        make_env: Callable[[], Env],
+        slots: int,
+        max_steps: int,
+        *,
+        keep_frames: bool = False,
+        precision: dtype | None = None,
     ) -> None:
         self._policy: Any = policy
+        self._precision = precision
         self._make_env, self._n_slots, self._max_steps, self._keep = make_env, slots, max_steps, keep_frames
         self._envs: list[Env] = []
 
@@ -223,15 +232,20 @@ class Players:
         import torch
 
         frames = [self._policy.frame(*slot.seen) for slot in slots]
-        if self._keep:
-            for slot, frame in zip(slots, frames, strict=True):
-                slot.frames.append(frame)
         device = next(self._policy.parameters()).device
         steps = {
             name: torch.from_numpy(np.stack([np.asarray(frame[name]) for frame in frames])).to(device)[None]
             for name in frames[0]
         }  # (1, B, ...)
-        outputs = self._policy(steps, context.tensors, state.tensors)
+        seen = self._policy.features(steps)
+        if self._keep:
+            for row, (slot, frame) in enumerate(zip(slots, frames, strict=True)):
+                raw = seen is steps
+                slot.frames.append(
+                    frame if raw else {name: array[0, row].cpu().numpy() for name, array in seen.items()}
+                )
+        with torch.autocast(device.type, self._precision, enabled=self._precision not in (None, torch.float32)):
+            outputs = self._policy(seen, context.tensors, state.tensors)
         state.tensors = dict(outputs.state)
         if self._keep:
             for slot, value in zip(slots, outputs.value[0].tolist(), strict=True):

@@ -139,6 +139,17 @@ class CollectingOptions(ImitationOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
+class DaggerOptions(CollectingOptions):
+    """Options of ``learner=dagger``.
+
+    Args:
+        play_precision: as ``precision``, of the policy that plays; bfloat16 is worth it to networks with images.
+    """
+
+    play_precision: str = "float32"
+
+
+@dataclass(frozen=True, kw_only=True)
 class PPOOptions(PolicyOptions):
     """Options of ``learner=ppo``, whose steps are a collection and many updates each.
 
