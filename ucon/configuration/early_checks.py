@@ -17,7 +17,7 @@ OPTIONS: Final[Mapping[str, type[LearnerOptions]]] = {
     "ucon.learning.counterfactual.learner.CounterfactualLearner": options.DecisionOptions,
     "ucon.learning.episodes.learner.EpisodePPOLearner": options.CollectingOptions,
     "ucon.learning.foresight.learner.ForesightLearner": options.DecisionOptions,
-    "ucon.learning.imitation.dagger.DaggerLearner": options.CollectingOptions,
+    "ucon.learning.imitation.dagger.DaggerLearner": options.DaggerOptions,
     "ucon.learning.imitation.learner.ImitationLearner": options.ImitationOptions,
     "ucon.learning.judge.learner.JudgeLearner": options.JudgeOptions,
     "ucon.learning.ppo.learner.PPOLearner": options.PPOOptions,
