@@ -49,7 +49,7 @@ eval: $(WARM) ## Evaluate the `belief` agent with retrieved habits on 50 episode
 	$(PY) eval.py agent=belief habit_level=retrieval episodes=mini
 	$(PY) -m ucon demo
 
-test: setup ## Run the tests (some 12 minutes).
+test: setup ## Run the tests (some 20 minutes).
 	$(TOGETHER) -m 'not slow and not timed'
 	$(PY) -m pytest -m 'timed and not slow'
 

@@ -172,6 +172,7 @@ def test_context_is_the_same_bytes_with_any_workers(tmp_path):
     assert swept.read_bytes() == (tmp_path / "alone" / "episodes.jsonl").read_bytes()
 
 
+@pytest.mark.slow
 def test_a_sweep_over_sets_keeps_them_apart(tmp_path):
     """Named by their overrides, or by the set alone."""
     for overrides, before in ((("agent=frontier",), "agent-frontier+"), ((), "")):

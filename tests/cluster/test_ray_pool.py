@@ -82,6 +82,7 @@ def test_labels_are_those_made_here(cluster, tmp_path, monkeypatch):
     assert found[0] == found[1]
 
 
+@pytest.mark.slow
 def test_lives_are_those_made_here_although_a_raylet_is_killed(capfd):
     order = replace(train_order(2, contexts_book(), days=1), changes=False)
     orders = [replace(order, id=f"life {k}", seed=order.seed + k) for k in range(5)]

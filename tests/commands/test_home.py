@@ -65,6 +65,7 @@ def test_what_is_built_is_told_as_the_page_says(played: tuple[Path, str]) -> Non
     assert re.search(r"my_home\.yaml: own:my_flat:\w{12}, 1 search: mug in the top cabinet\n", played[1])
 
 
+@pytest.mark.slow
 def test_runs_are_played_again_and_watched(played: tuple[Path, str]) -> None:
     """In other processes, from the file; without it one line says so."""
     folder, cache = played[0], played[0] / "cache"
@@ -143,6 +144,7 @@ def test_faults_of_a_file_are_the_commands_error(file: Path, capsys: pytest.Capt
     assert told[1].startswith(f"error: {file}:1: unknown furniture 'frigde': did you mean fridge")
 
 
+@pytest.mark.slow
 def test_a_home_file_is_packed_for_machines_without_pybullet(file: Path, tmp_path: Path) -> None:
     shutil.copy(EXAMPLE, file)
     pack = tmp_path / "pack"

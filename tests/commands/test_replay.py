@@ -78,6 +78,7 @@ def content(folder):
     return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
+@pytest.mark.slow
 def test_a_run_of_a_gpu_can_be_played_on_the_processor(tmp_path):
     """Its networks run where it is said; there is no GPU here to play it as it is stored."""
     folder = tmp_path / "kept"

@@ -60,6 +60,7 @@ def test_the_target_itself_is_hidden() -> None:
         env.close()
 
 
+@pytest.mark.slow
 def test_expectation_and_episodes_agree_in_the_mean(env: TwinSearchEnv) -> None:
     """SPL of 24 episodes with their true targets beside what the twins expect; both are means of the same thing."""
     true = UcONSearchEnv(EPISODES, habit_level="retrieval")

@@ -146,6 +146,7 @@ def test_no_registry_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, capfd:
     assert "did you mean smollm2?" in capfd.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_killed_conversion_leaves_nothing_half(made, cache: Path) -> None:
     """Killed while it converts; the next call makes it whole."""
     _, wheel, model = made

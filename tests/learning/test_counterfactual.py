@@ -84,6 +84,7 @@ def test_only_differences_within_decisions_count() -> None:
     assert torch.allclose(twice, relative, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_training_explains_more_in_the_homes_it_learns_in(
     kept: store.Decisions, search: Factory, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -110,6 +110,7 @@ def test_it_learns_what_pays(learner):
     assert np.mean(costs[-5:]) > np.mean(costs[:5]) / 2
 
 
+@pytest.mark.slow
 def test_collections_are_the_same_with_any_number_of_workers(learner):
     found = []
     for workers in (0, 1, 2):

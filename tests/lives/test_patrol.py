@@ -232,6 +232,7 @@ def run_of(base: Path, out: Path, *words: str) -> Evaluation:
     return Evaluation(config_of("frontier", *options, *quiet, f"out={out}", *words), out)
 
 
+@pytest.mark.slow
 def test_workers_and_an_interruption_change_no_record(base: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     out, finish = base / "run", RunFolder.finish
 

@@ -59,11 +59,12 @@ class FrozenBackbone:
         Returns:
             (N, channels, 7, 7) float16 on the frames' device.
         """
-        if len(rgb) == 1 and not rgb.is_cuda:
-            return self._remembered(rgb)
-        parts = [self._computed(part) for part in rgb.split(_CHUNK if rgb.is_cuda else _CHUNK_ON_CPU)]
-        empty = (0, self.channels, SIDE, SIDE)
-        return torch.cat(parts) if parts else rgb.new_zeros(empty, dtype=torch.float16)
+        with torch.autocast(rgb.device.type, enabled=False):  # stored maps must not depend on the training precision
+            if len(rgb) == 1 and not rgb.is_cuda:
+                return self._remembered(rgb)
+            parts = [self._computed(part) for part in rgb.split(_CHUNK if rgb.is_cuda else _CHUNK_ON_CPU)]
+            empty = (0, self.channels, SIDE, SIDE)
+            return torch.cat(parts) if parts else rgb.new_zeros(empty, dtype=torch.float16)
 
     def _remembered(self, rgb: Tensor) -> Tensor:
         key = rgb.numpy().tobytes()
@@ -78,7 +79,6 @@ class FrozenBackbone:
         images = torch.nn.functional.interpolate(images, (INPUT_PX, INPUT_PX), mode="bilinear", align_corners=False)
         mean, deviation = (images.new_tensor(values).view(3, 1, 1) for values in (self.mean, self.deviation))
         images = ((images - mean) / deviation).contiguous(memory_format=torch.channels_last)
-        # Not in the precision of training, on which stored maps must not depend.
         precise = images.is_cuda or cpu_precision(torch.bfloat16) == torch.float32
         with torch.autocast(images.device.type, torch.bfloat16, enabled=not precise):
             return self._mapped(images).contiguous().half()
