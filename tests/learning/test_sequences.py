@@ -50,6 +50,29 @@ def test_chunks_and_company_change_nothing(pairs):
             torch.testing.assert_close(logits, alone[name], atol=1e-5, rtol=1e-5)
 
 
+def test_without_memory_every_step_comes_once_with_what_is_its_own(pairs):
+    batch = Batch(pairs, 0.99, "cpu")
+    chunks = list(batch.mixed(7, seed=1))
+    assert [chunk.labels.shape[1] for chunk in chunks[:-1]] == [7] * (len(chunks) - 1)
+    assert sum(chunk.labels.shape[1] for chunk in chunks) == sum(batch.lengths)
+
+    def rows(labels, returns, changes, frames, context):
+        flat = [labels, returns, changes, *(t.reshape(len(t), -1).double().sum(1) for t in (*frames.values(), *context.values()))]
+        return torch.stack([part.double() for part in flat], 1).tolist()
+
+    found, wanted = [], []
+    for chunk in chunks:
+        assert chunk.present.all()
+        one = {name: tensor[0] for name, tensor in chunk.frames.items()}
+        found += rows(chunk.labels[0], chunk.returns[0], chunk.changes[0], one, chunk.context)
+    for k, length in enumerate(batch.lengths):
+        context = {name: tensor[k : k + 1].repeat_interleave(length, 0) for name, tensor in batch.context.items()}
+        wanted += rows(batch.labels[k], batch.returns[k], batch.changes[k], batch.frames[k], context)
+    assert found != wanted
+    assert sorted(found) == sorted(wanted)
+    assert torch.equal(chunks[0].labels, next(batch.mixed(7, seed=1)).labels)
+
+
 def test_the_comparison_would_notice_a_lost_or_a_shifted_state(pairs):
     policy = TinyPolicy().eval()
     right = logits_of(policy, pairs, 3)

@@ -215,7 +215,8 @@ class ImitationLearner:
         with torch.no_grad(), part("validating demonstrations", len(batches)) as tick:
             for number, pairs in enumerate(self.feeder(batches), 1):
                 tick(number)
-                for _, of_chunk in self._passed(Batch(pairs, self.loss.discount, self.device)):
+                batch = Batch(pairs, self.loss.discount, self.device)
+                for _, of_chunk in self._passed(batch, self._chunks(batch)[1]):
                     sums += of_chunk
         return self.loss.figures(sums)
 
@@ -284,12 +285,12 @@ class ImitationLearner:
             (n_sums,) float64 on the CPU, the sums that the loss makes figures of; and the figures of the updates, means
             over them.
         """
-        n_chunks = batch.n_chunks(self.options.chunk)
+        n_chunks, chunks = self._chunks(batch)
         every = self.options.update_every or n_chunks
         n_updates = -(-n_chunks // every)
         total, taken = torch.zeros(self.loss.n_sums, dtype=torch.float64), []
         self.updates.begin()
-        for number, (loss, sums) in enumerate(self._passed(batch), 1):
+        for number, (loss, sums) in enumerate(self._passed(batch, chunks), 1):
             (n_updates * loss).backward()  # type: ignore[no-untyped-call]
             total += sums
             if number % every == 0 or number == n_chunks:
@@ -297,12 +298,24 @@ class ImitationLearner:
                 self.updates.begin()
         return total, {name: float(np.mean([figures[name] for figures in taken])) for name in taken[0]}
 
-    def _passed(self, batch: Batch) -> Iterator[tuple[Tensor, Tensor]]:
+    def _chunks(self, batch: Batch) -> tuple[int, Iterator[Chunk]]:
+        """Number of chunks of a batch, and the chunks.
+
+        They are of consecutive steps; for a policy without memory of steps drawn from all its episodes.
+        """
+        steps = self.options.chunk
+        if self.act.initial_state(1):
+            return -(-batch.lengths[0] // steps), batch.chunks(steps)
+        steps *= len(batch.lengths)
+        seed = derived_seed(self.seed, "mixed", self.done)
+        return -(-sum(batch.lengths) // steps), batch.mixed(steps, seed)
+
+    def _passed(self, batch: Batch, chunks: Iterator[Chunk]) -> Iterator[tuple[Tensor, Tensor]]:
         """Forward pass over a batch: of each chunk its share of the loss, and the sums that figures are made of."""
         scale = self.loss.scale(batch)
         state: Mapping[str, Tensor] = self.act.initial_state(len(batch.lengths))
         kind = torch.device(self.device).type
-        for chunk in batch.chunks(self.options.chunk):
+        for chunk in chunks:
             state = detached_state(state, chunk.labels.shape[1])
             with torch.autocast(kind, self._precision, enabled=self._precision != torch.float32):
                 outputs = self.act(chunk.frames, chunk.context, state)

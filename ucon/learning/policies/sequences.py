@@ -75,10 +75,6 @@ class Batch:
             made = policy.augment({name: tensor[:, None] for name, tensor in frames.items()}, generator)
             self.frames[number] = {name: tensor[:, 0] for name, tensor in made.items()}
 
-    def n_chunks(self, steps: int) -> int:
-        """Number of chunks of up to ``steps`` steps."""
-        return -(-self.lengths[0] // steps)
-
     def chunks(self, steps: int) -> Iterator[Chunk]:
         """The batch in chunks of up to ``steps`` steps, in order; each holds the episodes that reach its first step."""
         for begin in range(0, self.lengths[0], steps):
@@ -91,6 +87,28 @@ class Batch:
             values = pad_sequence([one[piece] for one in self.returns[:n]])
             changes = pad_sequence([one[piece] for one in self.changes[:n]])
             yield Chunk(frames, {name: t[:n] for name, t in self.context.items()}, labels, values, present, changes)
+
+
+    def mixed(self, steps: int, seed: int) -> Iterator[Chunk]:
+        """The steps of all episodes in random order, up to ``steps`` at once: for policies without memory.
+
+        Args:
+            steps: of a chunk, which is one step of so many rows.
+            seed: of the order.
+        """
+        names, n = self.frames[0], len(self.lengths)
+        device = self.labels[0].device
+        frames = {name: torch.cat([one[name] for one in self.frames]) for name in names}
+        labels, returned, changes = (torch.cat(parts) for parts in (self.labels, self.returns, self.changes))
+        episode = torch.arange(n, device=device).repeat_interleave(torch.tensor(self.lengths, device=device))
+        order = torch.randperm(len(labels), generator=torch.Generator().manual_seed(seed)).to(device)
+        for some in order.split(steps):
+            yield Chunk(
+                {name: tensor[some][None] for name, tensor in frames.items()},
+                {name: tensor[episode[some]] for name, tensor in self.context.items()},
+                labels[some][None], returned[some][None],
+                torch.ones(1, len(some), dtype=torch.bool, device=device), changes[some][None],
+            )  # fmt: skip
 
 
 class ChunkLoss(Protocol):
