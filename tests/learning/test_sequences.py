@@ -57,7 +57,12 @@ def test_without_memory_every_step_comes_once_with_what_is_its_own(pairs):
     assert sum(chunk.labels.shape[1] for chunk in chunks) == sum(batch.lengths)
 
     def rows(labels, returns, changes, frames, context):
-        flat = [labels, returns, changes, *(t.reshape(len(t), -1).double().sum(1) for t in (*frames.values(), *context.values()))]
+        flat = [
+            labels,
+            returns,
+            changes,
+            *(t.reshape(len(t), -1).double().sum(1) for t in (*frames.values(), *context.values())),
+        ]
         return torch.stack([part.double() for part in flat], 1).tolist()
 
     found, wanted = [], []

@@ -88,7 +88,6 @@ class Batch:
             changes = pad_sequence([one[piece] for one in self.changes[:n]])
             yield Chunk(frames, {name: t[:n] for name, t in self.context.items()}, labels, values, present, changes)
 
-
     def mixed(self, steps: int, seed: int) -> Iterator[Chunk]:
         """The steps of all episodes in random order, up to ``steps`` at once: for policies without memory.
 
