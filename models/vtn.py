@@ -150,14 +150,13 @@ class VTN(_Seeing):
         seen = self.seen(frames, context)  # (T, B, 3136)
         w = dict(self.lstm.named_parameters())
         from_frames, from_action = w["weight_ih_l0"].split([VISUAL_WIDTH, _ACTION_WIDTH], 1)
-        first = torch.cat([from_action, w["weight_hh_l0"]], 1)
-        second, bias = torch.cat([w["weight_ih_l1"], w["weight_hh_l1"]], 1), w["bias_ih_l1"] + w["bias_hh_l1"]
+        bias = w["bias_ih_l1"] + w["bias_hh_l1"]
         logits, hidden, probabilities = [], [], state["probabilities"]
         (h0, h1), (c0, c1) = (state[name].unbind(1) for name in ("hidden", "cell"))
         for gates in linear(seen, from_frames, w["bias_ih_l0"] + w["bias_hh_l0"]):
             acted = relu(self.action_embed(probabilities))
-            h0, c0 = _lstm_cell(gates + linear(torch.cat([acted, h0], -1), first), c0)
-            h1, c1 = _lstm_cell(linear(torch.cat([h0, h1], -1), second, bias), c1)
+            h0, c0 = _lstm_cell(gates + linear(acted, from_action) + linear(h0, w["weight_hh_l0"]), c0)
+            h1, c1 = _lstm_cell(linear(h0, w["weight_ih_l1"], bias) + linear(h1, w["weight_hh_l1"]), c1)
             logits.append(self.actor(h1).float())
             hidden.append(h1)
             probabilities = logits[-1].softmax(-1)

@@ -135,6 +135,15 @@ def test_a_collection_is_played_on_the_device_of_one_s_choice(learner, monkeypat
     assert one.resolved_options["play_device"] == found
 
 
+def test_a_collection_is_played_in_the_precision_of_one_s_choice(learner):
+    precise, half = learner(), learner(play_precision="bfloat16")
+    assert [one.resolved_options["play_precision"] for one in (precise, half)] == ["float32", "bfloat16"]
+    played = [one.feeder._collector._players._precision for one in (precise, half)]
+    assert played == [torch.float32, torch.bfloat16]
+    with pytest.raises(ConfigError, match="unknown precision 'half'"):
+        learner(play_precision="half")
+
+
 def test_what_was_seen_in_a_collection_is_what_is_seen_when_it_is_played_again(learner):
     found = learner()
     found.step()

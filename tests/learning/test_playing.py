@@ -76,6 +76,38 @@ def test_what_is_measured_is_what_the_environment_says():
     assert (cut.success, cut.spl, len(cut.actions)) == (False, 0.0, len(short.solution) - 1)
 
 
+def test_frozen_networks_look_once_at_what_is_played_and_kept():
+    class Looks(TinyPolicy):
+        looked, precisions = 0, set()
+
+        def features(self, frames):
+            if "depth" not in frames:
+                return frames
+            self.looked += frames["did"].numel()
+            return {"did": frames["did"], "seen": frames["depth"] * 2}
+
+        def forward(self, frames, context, state):
+            self.precisions.add(torch.is_autocast_enabled("cpu"))
+            given = self.features(frames)
+            return super().forward({"did": given["did"], "depth": given["seen"] / 2}, context, state)
+
+    def kept(precision):
+        policy = Looks()
+        policy.load_state_dict(noisy_policy().state_dict())
+        players = Players(policy, ENV, 2, max_steps=15, keep_frames=True, precision=precision)
+        found = players.play(JOBS, PolicyChooser(False, 5, "test"))
+        players.close()
+        return policy, found
+
+    policy, found = kept(None)
+    assert [one.actions for one in found] == played(JOBS, 2)
+    assert {tuple(one.replay.frames) for one in found} == {("did", "seen")}
+    assert policy.looked == sum(len(one.actions) for one in found) == sum(len(one.replay) for one in found)
+    assert policy.precisions == {False}
+    Looks.precisions = set()
+    assert kept(torch.bfloat16)[0].precisions == {True}
+
+
 def test_validation_draws_at_its_temperature():
     """Nearly always the best action at a low one."""
 

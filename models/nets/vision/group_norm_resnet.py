@@ -6,21 +6,9 @@ from typing import Final
 
 import torch
 from torch import Tensor, nn
-from torch.nn.functional import layer_norm
 
 _DEPTHS: Final = (3, 4, 6, 3)
 _EXPANSION: Final = 4
-
-
-class GroupNorm(nn.GroupNorm):
-    """Group norm by torch's layer norm: on a processor, in bfloat16, a fourth less time for all of the network."""
-
-    def forward(self, x: Tensor) -> Tensor:
-        """(N, channels, h, w), each group of channels with mean 0 and variance 1, then scaled and shifted."""
-        groups = x.contiguous().view(len(x) * self.num_groups, -1)
-        normal = layer_norm(groups, groups.shape[1:], eps=self.eps).view(x.shape)
-        weight, bias = (part.to(x.dtype).expand(len(x), -1)[..., None, None] for part in (self.weight, self.bias))
-        return normal * weight + bias
 
 
 class Bottleneck(nn.Module):
@@ -37,12 +25,12 @@ class Bottleneck(nn.Module):
         super().__init__()
         out = width * _EXPANSION
         self.body = nn.Sequential(
-            nn.Conv2d(channels, width, 1, bias=False), GroupNorm(groups, width), nn.ReLU(),
-            nn.Conv2d(width, width, 3, stride, 1, bias=False), GroupNorm(groups, width), nn.ReLU(),
-            nn.Conv2d(width, out, 1, bias=False), GroupNorm(groups, out),
+            nn.Conv2d(channels, width, 1, bias=False), nn.GroupNorm(groups, width), nn.ReLU(),
+            nn.Conv2d(width, width, 3, stride, 1, bias=False), nn.GroupNorm(groups, width), nn.ReLU(),
+            nn.Conv2d(width, out, 1, bias=False), nn.GroupNorm(groups, out),
         )  # fmt: skip
         same = stride == 1 and channels == out
-        projection = nn.Sequential(nn.Conv2d(channels, out, 1, stride, bias=False), GroupNorm(groups, out))
+        projection = nn.Sequential(nn.Conv2d(channels, out, 1, stride, bias=False), nn.GroupNorm(groups, out))
         self.beside = nn.Identity() if same else projection
 
     def forward(self, x: Tensor) -> Tensor:
@@ -61,7 +49,7 @@ class GroupNormResNet50(nn.Module):
         super().__init__()
         groups = width // 2
         layers: list[nn.Module] = [
-            nn.Conv2d(3, width, 7, 2, 3, bias=False), GroupNorm(groups, width), nn.ReLU(), nn.MaxPool2d(3, 2, 1),
+            nn.Conv2d(3, width, 7, 2, 3, bias=False), nn.GroupNorm(groups, width), nn.ReLU(), nn.MaxPool2d(3, 2, 1),
         ]  # fmt: skip
         channels = width
         for stage, depth in enumerate(_DEPTHS):

@@ -115,6 +115,8 @@ def attended(
 ) -> Tensor:
     """Attention by a module's weights; its own fast path takes numbers that are added to logits for a mask.
 
+    Written out: without dropout torch's fused attention makes an update in bfloat16 twice as long.
+
     Args:
         module: holds the weights.
         query: (N, Q, D).
@@ -132,7 +134,7 @@ def attended(
             (query, key, value), module.in_proj_weight.chunk(3), module.in_proj_bias.chunk(3), strict=True
         )
     )
-    logits = q @ k.transpose(-1, -2) * width**-0.5  # on a processor a third of the time of torch's fused attention
+    logits = q @ k.transpose(-1, -2) * width**-0.5
     shares = softmax(logits if weight is None else logits + weight, -1).to(v.dtype)
     found = dropout(shares, module.dropout, module.training) @ v
     out: Tensor = module.out_proj(found.transpose(1, 2).flatten(2))

@@ -1,8 +1,8 @@
 """``learner=imitation``: a policy over the seven actions is trained to predict a demonstrator's action at every step.
 
 One step is a batch of whole episodes, each at its own habit level. They are read in chunks: the recurrent state passes
-from chunk to chunk, gradients do not (:mod:`ucon.learning.policies.sequences`). The best checkpoint is chosen by the
-policy's own play on validation episodes.
+from chunk to chunk, gradients do not (:mod:`ucon.learning.policies.sequences`); a policy without memory reads their
+steps in random order. The best checkpoint is chosen by the policy's own play on validation episodes.
 """
 
 from __future__ import annotations

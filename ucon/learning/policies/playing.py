@@ -239,11 +239,11 @@ class Players:
         }  # (1, B, ...)
         seen = self._policy.features(steps)
         if self._keep:
-            for row, (slot, frame) in enumerate(zip(slots, frames, strict=True)):
-                raw = seen is steps
-                slot.frames.append(
-                    frame if raw else {name: array[0, row].cpu().numpy() for name, array in seen.items()}
-                )
+            if seen is not steps:  # so that frozen networks look once at what is learned from
+                arrays = {name: made[0].cpu().numpy() for name, made in seen.items()}
+                frames = [{name: array[row] for name, array in arrays.items()} for row in range(len(slots))]
+            for slot, frame in zip(slots, frames, strict=True):
+                slot.frames.append(frame)
         with torch.autocast(device.type, self._precision, enabled=self._precision not in (None, torch.float32)):
             outputs = self._policy(seen, context.tensors, state.tensors)
         state.tensors = dict(outputs.state)
