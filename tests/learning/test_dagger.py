@@ -48,6 +48,22 @@ def test_the_first_collection_is_the_expert_s(learner):
     assert figures["labels"] == sum(len(one.actions) for one in found.collected)
 
 
+def test_a_share_begins_near_the_end_of_the_solution(learner):
+    found = learner(rollouts={"episodes": 12, "backplay": 1.0, "backplay_steps": 9})
+    found.step()
+    left = []
+    for one in found.collected:
+        assert one.episode.solution.startswith(one.led)
+        left.append(len(one.episode.solution) - len(one.led))
+        assert one.actions == one.labels
+        assert len(one.actions) <= left[-1]
+        assert one.actions[-1] == str(int(Action.DONE))
+    assert len(set(left)) > 3
+    assert 1 <= min(left) <= max(left) <= 9
+    half = learner(rollouts={"backplay": 0.5, "backplay_steps": 5})
+    assert 70 < sum(bool(half.job(item).led) for item in range(200)) < 130
+
+
 def test_later_ones_stray_and_every_step_is_labelled_by_the_expert(learner):
     found = learner(rollouts={"mixture": 0.3})
     for _ in range(7):
@@ -144,9 +160,11 @@ def test_a_collection_is_played_in_the_precision_of_one_s_choice(learner):
         learner(play_precision="half")
 
 
-def test_what_was_seen_in_a_collection_is_what_is_seen_when_it_is_played_again(learner):
-    found = learner()
+@pytest.mark.parametrize("backplay", [0.0, 0.7])
+def test_what_was_seen_in_a_collection_is_what_is_seen_when_it_is_played_again(learner, backplay):
+    found = learner(rollouts={"backplay": backplay})
     found.step()
+    assert any(one.led for one in found.collected) == (backplay > 0)
     assert found.feeder._kept
     for one in found.collected:
         kept, again = _unpacked(found.feeder._kept[found.feeder._key(one)]), Replayer(found.act, ENV)(one)
@@ -196,7 +214,7 @@ def test_a_run_that_is_killed_goes_on_to_the_same_bytes(learner, tmp_path, at):
     plan = Plan(steps=7, validate_every=7, save_every=1, keep=2)
 
     def made():
-        return learner(TinyPolicy(dropout=0.1), steps=7, average=0.5)
+        return learner(TinyPolicy(dropout=0.1), rollouts={"backplay": 0.5}, steps=7, average=0.5)
 
     whole = TrainingRun(tmp_path / "whole", made(), plan, {})
     whole.start("a: 1\n")
@@ -251,6 +269,8 @@ def test_a_state_with_other_episodes_is_refused(learner):
         ({"per_iteration": 2.5}, r"rollouts\.per_iteration=2\.5"),
         ({"least": -0.1}, r"rollouts\.least=-0\.1: must be from 0 to 1"),
         ({"newest": True}, r"rollouts\.newest=True: must be from 0 to 1"),
+        ({"backplay": 2}, r"rollouts\.backplay=2: must be from 0 to 1"),
+        ({"backplay_steps": 0}, r"rollouts\.backplay_steps=0: must be a whole number from 1"),
         ({"temperature": -1}, r"rollouts\.temperature=-1: must be from 0 to 100"),
     ],
 )

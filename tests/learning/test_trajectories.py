@@ -36,12 +36,15 @@ def same(a: Replay, b: Replay) -> bool:
 
 def test_plain_data_and_back():
     strayed = Trajectory(EPISODES[0], "gt", "0123", "01.3")
-    rows = [demonstration(EPISODES[1], "none").to_json(), strayed.to_json()]
+    led = Trajectory(EPISODES[0], "gt", "3", "3", led="012")
+    rows = [demonstration(EPISODES[1], "none").to_json(), strayed.to_json(), led.to_json()]
     by_id = {episode.id: episode for episode in EPISODES}
-    assert trajectories_from_json(rows, by_id) == [demonstration(EPISODES[1], "none"), strayed]
+    assert trajectories_from_json(rows, by_id) == [demonstration(EPISODES[1], "none"), strayed, led]
     assert strayed.classes.tolist() == [0, 1, IGNORED, 3]
     assert strayed.n_labels == 3
-    for wrong in (["x", "gt", "0", "0"], [EPISODES[0].id, "gt", "01", "0"], [EPISODES[0].id, "gt", "9", "0"], 7):
+    name = EPISODES[0].id
+    unlike = (["x", "gt", "0", "0"], [name, "gt", "01", "0"], [name, "gt", "9", "0"], [*rows[2][:4], "x"], 7)
+    for wrong in unlike:
         with pytest.raises(DataError, match="trajectory of other episodes"):
             trajectories_from_json([wrong], by_id)
 

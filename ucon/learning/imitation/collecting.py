@@ -89,7 +89,7 @@ class Collector:
         for number, one in enumerate(self._players.play(part.jobs, chooser, "collecting")):
             assert one.replay is not None  # keep_frames
             labels = "".join(chooser.labels[number])
-            trajectory = Trajectory(one.job.episode, one.job.level, one.actions, labels)
+            trajectory = Trajectory(one.job.episode, one.job.level, one.actions, labels, led=one.job.led)
             played.append((trajectory, with_views(one.replay, chooser.views.get(number))))
         return played
 

@@ -69,6 +69,10 @@ class CollectingLearner(ImitationLearner):
         """Episodes of a collection."""
         raise NotImplementedError
 
+    def job(self, item: int) -> Job:
+        """Episode ``item``, from 0, of all that are ever collected."""
+        return Job(*self.assigned(item))
+
     def parts(self, iteration: int, jobs: Sequence[Job], weights: Mapping[str, Tensor]) -> Sequence[Any]:
         """A collection cut into parts, as the feeder's collector plays them.
 
@@ -166,5 +170,5 @@ class CollectingLearner(ImitationLearner):
     def _asked_for(self, iteration: int) -> list[Callable[[], list[Any]]]:
         """Parts of a collection, which workers begin to play."""
         first = iteration * self.per_collection
-        jobs = [Job(*self.assigned(first + k)) for k in range(self.per_collection)]
+        jobs = [self.job(first + k) for k in range(self.per_collection)]
         return self.feeder.begin_collecting(self.parts(iteration, jobs, self._playing))

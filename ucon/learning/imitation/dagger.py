@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 from torch import Tensor, dtype
@@ -53,13 +53,18 @@ class DaggerRollouts:
     """Episodes played at once, by one process."""
     temperature: float = 1.0
     """The policy's actions are sampled at this temperature; 0: the action with the highest logit."""
+    backplay: float = 0.0
+    """Share of episodes that begin along their stored solution, near its end (Backplay: Resnick et al. 2018). Reactive
+    policies see the target in few frames of a whole search, and in many of these."""
+    backplay_steps: int = 30
+    """At most so many steps of the solution are left there; how many is drawn."""
 
     def __post_init__(self) -> None:
-        for name in ("per_iteration", "episodes", "max_steps", "slots"):
+        for name in ("per_iteration", "episodes", "max_steps", "slots", "backplay_steps"):
             value = getattr(self, name)
             if type(value) is not int or value < 1:
                 raise ConfigError(f"learner.rollouts.{name}={brief(value)}: must be a whole number from 1 up")
-        for name in ("mixture", "least", "newest"):
+        for name in ("mixture", "least", "newest", "backplay"):
             value = getattr(self, name)
             if type(value) not in (int, float) or not 0 <= value <= 1:
                 raise ConfigError(f"learner.rollouts.{name}={brief(value)}: must be from 0 to 1")
@@ -131,6 +136,14 @@ class DaggerLearner(CollectingLearner):
                 *(newest[int(k)] for k in draw.choice(len(newest), fresh, replace=False)),
                 *(self.collected[int(k)] for k in draw.choice(len(self.collected), rest, replace=False)),
             ]
+
+    def job(self, item: int) -> Job:
+        """As of learners that collect; a share ``rollouts.backplay`` begins near the end of the stored solution."""
+        job, draw = super().job(item), stream(self.seed, "backplay", item)
+        if draw.random() >= self.rollouts.backplay:
+            return job
+        left = int(draw.integers(1, self.rollouts.backplay_steps, endpoint=True))
+        return replace(job, led=job.episode.solution[:-left])
 
     def parts(self, iteration: int, jobs: Sequence[Job], weights: Mapping[str, Tensor]) -> Sequence[CollectionPart]:
         """Parts of as many episodes as are played at once."""

@@ -119,7 +119,7 @@ class Feeder:
     ) -> None:
         self._policy = cast("ActionPolicy", policy)
         self._free_bytes, self._timeout_s = memory_bytes, worker_timeout_s
-        self._kept: dict[tuple[str, str, str], bytes] = {}
+        self._kept: dict[tuple[str, ...], bytes] = {}
         self._nothing_frozen = False
         """Whether the policy is known to have no frozen networks."""
         self._play = _replayer_of(policy, make_env, collector)
@@ -307,13 +307,13 @@ class Feeder:
     def _workers(self) -> list[BaseProcess]:
         return list(self._started.values())
 
-    def _key(self, trajectory: Trajectory) -> tuple[str, str, str]:
+    def _key(self, trajectory: Trajectory) -> tuple[str, ...]:
         """Key of a replay in memory.
 
         Without the habit level if the policy reads no habits, since its frames are then equal.
         """
-        name, level, actions = trajectory.key
-        return name, level if self._policy.uses_habits else "", actions
+        name, level, *actions = trajectory.key
+        return name, level if self._policy.uses_habits else "", *actions
 
     def _with_features(self, replay: Replay) -> Replay:
         """The replay with its frames turned into features by the policy's frozen networks, back on the CPU."""

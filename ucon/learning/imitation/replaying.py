@@ -13,6 +13,7 @@ from ucon.learning.imitation.experts import Corrector
 from ucon.learning.imitation.trajectories import Replay, Trajectory
 from ucon.learning.imitation.view_labels import Label
 from ucon.learning.policies.action_policy import Arrays
+from ucon.learning.policies.playing import Seen, led
 
 if TYPE_CHECKING:
     import gymnasium as gym
@@ -55,6 +56,7 @@ class Replayer:
         frames, rewards, views, ended = list[Arrays](), list[float](), list[Label](), False
         if self._expert is not None:
             self._expert.begin(_SLOT, trajectory.episode, self._env, info)
+        observation, info = led(self._env, trajectory.led, Seen(observation, info))
         for digit in trajectory.actions:
             if ended:
                 raise DataError(f"episode {trajectory.episode.id}: actions after its end; it was made by other rules")

@@ -7,7 +7,7 @@ of digits: a thousand of them take a few hundred kilobytes, whatever arrays a po
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -35,11 +35,13 @@ class Trajectory:
     """The T actions taken, one digit each (see :class:`ucon.task.actions.Action`)."""
     labels: str
     """The T labels, one digit each; :data:`NO_LABEL` where the expert had none."""
+    led: str = field(default="", kw_only=True)
+    """Actions taken before the first of these, one digit each."""
 
     @property
-    def key(self) -> tuple[str, str, str]:
-        """Episode id, habit level and actions: equal keys have equal frames."""
-        return self.episode.id, self.level, self.actions
+    def key(self) -> tuple[str, str, str, str]:
+        """Episode id, habit level and all actions: equal keys have equal frames."""
+        return self.episode.id, self.level, self.led, self.actions
 
     @property
     def classes(self) -> NDArray[np.int64]:
@@ -57,8 +59,8 @@ class Trajectory:
         return len(self.labels) - self.labels.count(NO_LABEL)
 
     def to_json(self) -> list[str]:
-        """Episode id, level, actions and labels: plain values that JSON can hold."""
-        return [self.episode.id, self.level, self.actions, self.labels]
+        """Episode id, level, actions, labels, and ``led`` if there is any: plain values that JSON can hold."""
+        return [self.episode.id, self.level, self.actions, self.labels, *([self.led] if self.led else [])]
 
 
 def demonstration(episode: Episode, level: str) -> Trajectory:
@@ -83,15 +85,18 @@ def trajectories_from_json(rows: Any, episodes: Mapping[str, Episode]) -> list[T
     """
     if not isinstance(rows, list) or not all(_is_trajectory(row, episodes) for row in rows):
         raise DataError("state with a trajectory of other episodes; resume with the run's own configuration")
-    return [Trajectory(episodes[name], level, actions, labels) for name, level, actions, labels in rows]
+    return [
+        Trajectory(episodes[name], level, actions, labels, led="".join(led))
+        for name, level, actions, labels, *led in rows
+    ]
 
 
 def _is_trajectory(row: Any, episodes: Mapping[str, Episode]) -> bool:
-    if not (isinstance(row, list) and len(row) == 4 and all(isinstance(text, str) for text in row)):
+    if not (isinstance(row, list) and len(row) in (4, 5) and all(isinstance(text, str) for text in row)):
         return False
-    name, level, actions, labels = row
+    name, level, actions, labels, *led = row
     digits = {str(int(action)) for action in Action}
-    right = digits.issuperset(actions) and digits.issuperset(labels.replace(NO_LABEL, ""))
+    right = all(digits.issuperset(did) for did in (actions, labels.replace(NO_LABEL, ""), *led))
     return name in episodes and level in LEVELS and right and len(actions) == len(labels) > 0
 
 

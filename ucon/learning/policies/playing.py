@@ -27,6 +27,8 @@ class Job:
 
     episode: Episode
     level: str
+    led: str = ""
+    """Actions taken before the policy begins, one digit each."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,7 @@ class RolloutOutcome:
 
     job: Job
     actions: str
+    """The policy's, without those of ``job.led``."""
     success: bool
     spl: float
     replay: Replay | None = None
@@ -48,6 +51,14 @@ class Seen(NamedTuple):
 
     observation: Mapping[str, Any]
     info: Mapping[str, Any]
+
+
+def led(env: Env, actions: str, seen: Seen) -> Seen:
+    """Take actions, one digit each, that nobody chooses; the last frame, which is ``seen`` where there are none."""
+    for digit in actions:
+        observation, _, _, _, info = env.step(int(digit))
+        seen = Seen(observation, info)
+    return seen
 
 
 class Chooser(Protocol):
@@ -221,10 +232,11 @@ class Players:
         if job is None:
             return False
         options = {"episode": job.episode, "habit_level": job.level}
-        slot.seen = Seen(*slot.env.reset(seed=0, options=options))
+        observation, told = slot.env.reset(seed=0, options=options)
+        slot.seen = led(slot.env, job.led, Seen(observation, told))
         slot.number, slot.actions, slot.frames, slot.rewards, slot.values = number, [], [], [], []
-        slot.context = self._policy.context(slot.seen.info)
-        chooser.begin(number, job, slot.env, slot.seen.info)
+        slot.context = self._policy.context(told)
+        chooser.begin(number, job, slot.env, told)
         return True
 
     def _forward(self, slots: Sequence[_Slot], context: _Batched, state: _Batched) -> NDArray[np.float64]:
