@@ -94,6 +94,7 @@ def test_train_refuses_what_cannot_be(tmp_path: Path) -> None:
     assert not (tmp_path / "run").exists()
 
 
+@pytest.mark.slow
 def test_folders_that_cannot_be_made(tmp_path: Path) -> None:
     paths = unwritable(tmp_path)
     calls = [("eval.py", *QUICK, f"out={path}") for path in paths]

@@ -57,6 +57,7 @@ def test_what_cannot_be_a_folder_is_left_to_the_writer(tmp_path):
         assert (tmp_path / "file").read_text() == "mine"
 
 
+@pytest.mark.slow
 def test_commands_refuse_a_folder_in_use(tmp_path):
     with sole_writer(tmp_path):
         played = evaluate("agent=frontier", "habit_level=none", "limit=1", "progress=false", f"out={tmp_path}")

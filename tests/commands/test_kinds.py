@@ -198,6 +198,7 @@ HEAVY = ("Learner",)
 BUILDABLE: list[Any] = [-1, 0, -0.5, 2**62, 1e300, -1e300, "", "x", "..", "/dev/null", [], ["x"], [1.0], {}, {"a": 1.0}]
 
 
+@pytest.mark.slow
 def test_what_is_of_the_right_kind_is_built_or_refused_in_a_line() -> None:
     _build_each(lambda target: not target.endswith(HEAVY))
 

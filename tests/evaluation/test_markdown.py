@@ -154,6 +154,7 @@ def test_named_subsets_are_told_where_every_run_has_them():
     assert "| subset |" not in free
 
 
+@pytest.mark.slow
 def test_when_habits_pay_is_told_within_groups_that_make_up_the_whole(capsys):
     folders = [f"results/learned-habit_policy-{level}" for level in ("retrieval", "none")]
     assert main(["compare", *folders, "--markdown", "--when"]) == 0

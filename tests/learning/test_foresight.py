@@ -117,6 +117,7 @@ def test_a_mirror_keeps_what_lies_beyond_and_turned_twice_it_is_the_same(kept: s
         assert torch.equal(once[name], frames[name])
 
 
+@pytest.mark.slow
 def test_training_foresees_more_and_resumes_to_the_same_weights(learner: ForesightLearner, search: Factory) -> None:
     before = learner.validate()
     for _ in range(30):

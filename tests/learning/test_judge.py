@@ -43,6 +43,7 @@ def made(**options) -> JudgeLearner:
     return JudgeLearner(net, {"noisy": NoisyDetector()}, **{**given, **options})
 
 
+@pytest.mark.slow
 def test_cases_are_kept_and_the_number_of_workers_does_not_matter(
     cache: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

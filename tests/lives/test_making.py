@@ -23,6 +23,7 @@ def made(order):
     return make_life(order, contexts_book())
 
 
+@pytest.mark.slow
 def test_a_life_is_the_same_for_a_seed_and_another_for_another(order, made):
     assert make_life(order, contexts_book()).hash == made.hash
     assert make_life(replace(order, seed=order.seed + 1), contexts_book()).hash != made.hash
@@ -39,6 +40,7 @@ def test_no_two_places_touch(made):
     assert not any(meet(a, b) for a, b in combinations(boxes, 2))
 
 
+@pytest.mark.slow
 def test_an_interrupted_set_goes_on(order, made, tmp_path):
     journal = tmp_path / "x.part"
     orders = [order, replace(order, id="other", seed=order.seed + 1)]
