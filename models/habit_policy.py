@@ -138,8 +138,7 @@ class HabitPolicy(nn.Module):
 
         Args:
             tokens: observations of ``UcONSearch-v0`` as float32 tensors (B, ...) by name, but with ``thing_names`` (B,
-                T, 384),
-                embeddings of the things' names, in place of ``thing_rows``.
+                T, 384), embeddings of the things' names, in place of ``thing_rows``.
 
         Returns:
             Logits (B, V), -inf where there is no view or one far below the best, values (B,) and foresight (B, V).

@@ -118,8 +118,7 @@ class VTN(_Seeing):
             backbone: frozen network of the frame; None: random weights.
             dropout: of the visual transformer in training.
             pretrained: weights of :class:`VTNPretraining`, or a run of ``train.py agent=vtn_pretraining``; the release
-                says
-                that training collapses without.
+                says that training collapses without.
             seed: of the weights.
 
         Raises:
@@ -173,8 +172,7 @@ class VTNPretraining(_Seeing):
     """Pre-training of the visual transformer: predicts the expert's action from one frame and the target.
 
     VTNet's supervised stage: no memory, no dropout, a linear head from 3136 to 7; AdamW at 1e-4, weight decay 1e-4,
-    batches
-    of 128 frames, the rate divided by ten every ten epochs, gradients clipped at 0.1.
+    batches of 128 frames, the rate divided by ten every ten epochs, gradients clipped at 0.1.
     """
 
     architecture = "vtn_pretraining"

@@ -47,8 +47,7 @@ class AskingAgent(WaypointAgent):
             manner: how choices are carried out.
             seed: of random choices.
             temperature: 0 takes the best option; above 0, options are drawn from the softmax of ``scores /
-                temperature``, where
-                the model gives scores (LGX samples its answers at 0.7).
+                temperature``, where the model gives scores (LGX samples its answers at 0.7).
 
         Raises:
             ConfigError: a negative temperature, or a prompt file that does not fit.

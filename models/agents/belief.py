@@ -3,8 +3,7 @@
 The reader gives the probability of each category as the target's anchor, with the relation. An anchor's probability is
 divided among its instances seen so far; the rest stays in unexplored space. Where a frame shows no target, belief falls
 by the chance that it would have shown it. A uniform part makes the search fall back to coverage once all places named
-by
-the habits were searched.
+by the habits were searched.
 """
 
 from __future__ import annotations
@@ -47,8 +46,7 @@ class BeliefAgent(ControllerAgent):
             coverage: gain of exploring, without any belief.
             costs: of moves, turns and looks, in actions.
             tour: True: the agent gets a map of the home from a walk before the target was placed. Privileged; it
-                measures
-                what knowing the map is worth.
+                measures what knowing the map is worth.
             judge: of suspects, where the detector errs: ``shipped``, a folder, or None for the arithmetic posterior.
         """
         super().__init__()

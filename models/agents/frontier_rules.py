@@ -39,8 +39,7 @@ class FrontierRuleAgent(WaypointAgent):
 
         Args:
             rule: ``nearest``: fewest actions; ``utility``: the first by L3MVN's utility on its 5 cm map; ``weighted``:
-                most
-                cells per action, where ``overhead`` is added to the actions.
+                most cells per action, where ``overhead`` is added to the actions.
             overhead: actions that every look costs in addition.
             look_around: turn through four headings at the start and on arrival.
             replan_steps: actions after which it chooses anew; 0: only on arrival.

@@ -82,8 +82,7 @@ class HabitPolicyAgent:
         Args:
             policy: the network.
             checkpoint: folder of weights or run of ``train.py``; ``shipped``; ``untrained`` plays the initial weights;
-                None:
-                there are no weights yet.
+                None: there are no weights yet.
             locate: gives the distribution over the target's places; by default it is read from the habits.
             miss: probability that a look at a place misses a target there; at 1, empty places do not change the belief.
             sizes: numbers of rows of the tokens, as in training.
@@ -197,8 +196,8 @@ class HabitPolicyAgent:
         """Picture of the map and belief in a slot, (384, W, 3) uint8; see :func:`ucon.search.picture.draw_search`.
 
         Belief over cost drives the search, so the habits shown are those that the belief head relied on. If the
-        transformer adds
-        anything to that (the shipped one does not), a last line gives the attention of the chosen view.
+        transformer adds anything to that (the shipped one does not), a last line gives the attention of the chosen
+        view.
         """
         from ucon.search.picture import draw_search
 

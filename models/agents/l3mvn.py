@@ -1,10 +1,9 @@
 """``l3mvn``: goes to the frontier near which a language model expects the target (Yu, Kasaei and Cao, IROS 2023).
 
 On a 5 cm map it finds at most four frontiers and ranks them by utility (size and nearness). For each frontier with
-things
-near it, the model gives the probability of the target in "a room containing" these things, among a set of labels. A
-frontier whose probability is clearly above chance is taken; else the first by utility that is not clearly below chance.
-The target is approached as soon as a pixel of it is mapped.
+things near it, the model gives the probability of the target in "a room containing" these things, among a set of
+labels. A frontier whose probability is clearly above chance is taken; else the first by utility that is not clearly
+below chance. The target is approached as soon as a pixel of it is mapped.
 
 Differences from the paper and its code, and their reasons:
 - Labels are the target and 19 other categories drawn once from the catalogue; L3MVN has its six targets. With hundreds

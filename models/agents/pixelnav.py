@@ -3,9 +3,8 @@
 In each round it turns through all headings and asks. ``inputs="labels"`` lists what the detector saw in each view (the
 paper's planner; variant 2 of the UcON paper). ``inputs="images"`` shows the four views as one picture with their angles
 (the released planner; variant 1). In the chosen view, the goal pixel is the target if the view shows it, else the
-middle
-of the largest patch of floor. On arrival it says Done if the view had shown the target, and asks again otherwise.
-Nothing is remembered, and nothing seen on the way changes the plan (unless ``interrupt_on_sight``).
+middle of the largest patch of floor. On arrival it says Done if the view had shown the target, and asks again
+otherwise. Nothing is remembered, and nothing seen on the way changes the plan (unless ``interrupt_on_sight``).
 
 Differences from the paper and its code, and their reasons:
 - Four views at 90 degrees instead of twelve at 30: the task's turns.

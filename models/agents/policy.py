@@ -43,8 +43,7 @@ class PolicyAgent:
     """Plays a policy: takes the action of the highest logit, or samples.
 
     Records are byte-equal with ``batch=1``, for any number of workers. In a larger batch sums may differ in their last
-    bits,
-    and with them an action where two logits are almost equal.
+    bits, and with them an action where two logits are almost equal.
     """
 
     def __init__(
@@ -62,11 +61,9 @@ class PolicyAgent:
         Args:
             policy: the network.
             checkpoint: folder of weights or run of ``train.py``; ``shipped``; ``untrained`` plays the initial weights;
-                None:
-                there are no weights yet.
+                None: there are no weights yet.
             sample: draw actions from the policy's probabilities instead of taking the best; each draw is a function of
-                seed,
-                episode and step.
+                seed, episode and step.
             temperature: logits are divided by it before a draw; below 1, likely actions become likelier.
             seed: of the draws.
             device: ``cpu``, ``cuda``, ``cuda:1``; ``auto`` is a GPU if there is one.

@@ -123,8 +123,7 @@ def run_lstm(lstm: nn.LSTM, inputs: Tensor, state: Tensors) -> tuple[Tensor, dic
     """Run an LSTM for T steps.
 
     The state is float32, whatever autocast computes in. On a processor without bfloat16 the LSTM runs in float32:
-    oneDNN
-    has no bfloat16 LSTM there and fails.
+    oneDNN has no bfloat16 LSTM there and fails.
 
     Args:
         lstm: without ``batch_first``.

@@ -22,8 +22,7 @@ def check_arguments(config: Any) -> None:
     """Refuse values that the constructors named by ``_target_``, at any depth, do not take.
 
     Types are those of the annotations. Arguments without annotation, unknown arguments and unknown targets are left to
-    the
-    constructor.
+    the constructor.
 
     Args:
         config: a mapping with ``_target_``, as plain data.

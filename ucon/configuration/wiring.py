@@ -83,10 +83,8 @@ def official_habits(path: str) -> HabitDataset:
     """Dataset of the official release, without entries that are not in the catalogue.
 
     Prints one line about what is left out, and one if most sentences are not English. Placements are judged by shapes,
-    so
-    that sampling gives the same on every machine; the sampler tries each placement anyway. ``habits import`` reports
-    what
-    trying them in PyBullet gives.
+    so that sampling gives the same on every machine; the sampler tries each placement anyway. ``habits import`` reports
+    what trying them in PyBullet gives.
 
     Args:
         path: task file, or the folder that holds it.

@@ -1,9 +1,8 @@
 """Measures retrievers on held-out entries: ``python -m ucon data measure-retrieval --help``.
 
 Knowledge bases hold one entry for each of 20 categories. On the habit book: test categories (never trained on), and
-test
-entries of all categories. On the official release: held-out (scene, category) pairs among other habits of their scene;
-pairs whose category is in no train entry are also reported separately.
+test entries of all categories. On the official release: held-out (scene, category) pairs among other habits of their
+scene; pairs whose category is in no train entry are also reported separately.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Measures retrieval and the anchor reader on held-out categories: ``python -m ucon data measure-readers [--json]``.
 
 Each knowledge base holds 20 test categories; the truth is the distribution over placements that episodes are drawn
-from.
-Candidates are all known anchors; lines marked "clutter" add 85 other categories of the catalogue, as a home would.
+from. Candidates are all known anchors; lines marked "clutter" add 85 other categories of the catalogue, as a home
+would.
 """
 
 from __future__ import annotations

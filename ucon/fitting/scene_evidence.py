@@ -3,11 +3,9 @@
 Such a dataset does not say which sentence names a place. So an entry's sentences are read together (multiple-instance
 learning): the probability that a thing is at an anchor grows with the sum of evidence of its sentences, plus the prior;
 fitted is what makes the true places likely. In addition every sentence has to be assigned to its owner among some
-things
-of the scene. For both tasks all-MiniLM-L6-v2 gets one low-rank adapter. Names are compared with sentences by their
-vectors, so unknown names can be asked about. Everything is seeded; minutes on one core, kept in the user's cache under
-a
-hash of everything that it depends on.
+things of the scene. For both tasks all-MiniLM-L6-v2 gets one low-rank adapter. Names are compared with sentences by
+their vectors, so unknown names can be asked about. Everything is seeded; minutes on one core, kept in the user's cache
+under a hash of everything that it depends on.
 """
 
 from __future__ import annotations

@@ -42,8 +42,7 @@ def part_kb(data: HabitDataset, part: Split, seed: int, k: int = 20) -> Knowledg
     """Knowledge base of ``k`` categories with one entry each, from ``part`` where the category has one there.
 
     For a dataset bound to scenes all entries are from one scene, drawn in proportion to its categories of the part;
-    where
-    these are fewer than ``k``, train entries of the scene are added. For others all entries are of the part.
+    where these are fewer than ``k``, train entries of the scene are added. For others all entries are of the part.
 
     Args:
         data: the dataset.

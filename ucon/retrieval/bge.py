@@ -27,8 +27,7 @@ class BgeRetriever(Shared):
     """Scores by a weighted sum of the cosine and the match of lexical weights.
 
     The match is the sum over shared tokens of the products of their weights. A dataset is encoded once, with the
-    queries of
-    all its categories; after that no process loads the model.
+    queries of all its categories; after that no process loads the model.
     """
 
     def __init__(

@@ -1,10 +1,9 @@
 """Habit level ``context``: retrieval that follows what was explored.
 
 The list starts as at level ``retrieval``. While a home is explored, habits that speak for landmarks already seen move
-up
-and habits that speak for places found empty move down, so that the list is spent on habits still worth reading. Which
-anchors a habit speaks for is the anchor reader's judgement of its text: no label of the dataset is used, and nothing is
-known of the home except what the agent reports.
+up and habits that speak for places found empty move down, so that the list is spent on habits still worth reading.
+Which anchors a habit speaks for is the anchor reader's judgement of its text: no label of the dataset is used, and
+nothing is known of the home except what the agent reports.
 """
 
 from __future__ import annotations
@@ -113,8 +112,7 @@ class ContextHabits(PartlyShared):
     """The list of one episode, ``info["reranking"]`` of the environments.
 
     An agent that keeps track of what it saw calls :meth:`update` before it decides; observations then follow the list.
-    An
-    agent that does not keeps the list of level ``retrieval``. The rest of the knowledge base stays hidden behind the
+    An agent that does not keeps the list of level ``retrieval``. The rest of the knowledge base stays hidden behind the
     list.
 
     Args:

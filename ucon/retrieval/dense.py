@@ -53,8 +53,7 @@ class DenseRetriever(Shared):
         Args:
             encoder: of sentences; MiniLM with the shipped table by default.
             whole: True encodes a whole dataset at once. False encodes only the knowledge bases that are asked about,
-                which
-                is quicker for measuring a new encoder.
+                which is quicker for measuring a new encoder.
         """
         self.encoder = encoder or default_encoder()
         self._whole = whole

@@ -32,10 +32,8 @@ def habits_at_level(
     """Rows of the dataset that an agent is given.
 
     ``none``: nothing; ``full``: all, in the order of the knowledge base; ``gt``: every habit about the target, whether
-    it
-    supports a placement or not; ``retrieval``: the ``p`` best of the retriever, best first; ``context``: the same at
-    the
-    start, then re-ranked by what is seen (:class:`ucon.retrieval.context.ContextHabits`).
+    it supports a placement or not; ``retrieval``: the ``p`` best of the retriever, best first; ``context``: the same at
+    the start, then re-ranked by what is seen (:class:`ucon.retrieval.context.ContextHabits`).
 
     Args:
         level: habit level.

@@ -1,10 +1,9 @@
 """The belief head: maps habits and candidate anchors to a distribution over the target's places.
 
 A candidate's score is the sum of two paths. The direct path adds up what the habits say for the candidate, each
-weighted
-by its relevance to the target; nearly all of the gain comes from it. The other path attends from (target, candidate)
-pairs to the sentences, with pair features as bias and relevance as gate. Candidates do not see each other, and habits
-only enter through sums, so neither order nor number of either matters.
+weighted by its relevance to the target; nearly all of the gain comes from it. The other path attends from (target,
+candidate) pairs to the sentences, with pair features as bias and relevance as gate. Candidates do not see each other,
+and habits only enter through sums, so neither order nor number of either matters.
 """
 
 from __future__ import annotations

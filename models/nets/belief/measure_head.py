@@ -2,8 +2,7 @@
 
 On the habit book: households of 20 test categories, all anchors of the book as candidates, in mode ``task`` (one entry
 per category, about 200 habits) and ``category`` (all entries). On the official release (``--official FOLDER``):
-held-out
-(scene, category) pairs, with all categories of the scene as candidates.
+held-out (scene, category) pairs, with all categories of the scene as candidates.
 """
 
 from __future__ import annotations

@@ -66,8 +66,7 @@ def kept_habits(reading: Read, texts: Sequence[str], known: Sequence[str]) -> tu
 
     Returns:
         Indices of at most N_HABITS habits, ordered by support and text, so not by the list's order; and the support (H,
-        A)
-        of all habits for each anchor.
+        A) of all habits for each anchor.
     """
     support = np.zeros((len(texts), len(known)))
     for k, anchor in enumerate(known):

@@ -24,11 +24,9 @@ class DetrTokens(nn.Module):
     """Tokens from a frozen DETR that reads the colour image; none of its weights are trained.
 
     For each label the query with the highest score is kept, in the order of the labels; queries for "nothing" are left
-    out.
-    VTNet fine-tuned DETR on its own scenes. Here any DETR in the folder is used, such as the published one of COCO
+    out. VTNet fine-tuned DETR on its own scenes. Here any DETR in the folder is used, such as the published one of COCO
     (``hf download facebook/detr-resnet-50 --revision no_timm``), whose 91 labels cover few targets. A target's label is
-    the
-    longest one that its name contains as words ("coffee cup" is a cup); a target without one is never marked.
+    the longest one that its name contains as words ("coffee cup" is a cup); a target without one is never marked.
     """
 
     def __init__(self, path: str, image_px: int = 800) -> None:

@@ -69,8 +69,7 @@ class RunningMeanAndVar(nn.Module):
     """Normalises each channel by the mean and variance of all images so far (Habitat's layer of that name).
 
     Habitat updates them in training-mode forward passes. Here the learner does (:meth:`update_statistics`), so that
-    padding
-    does not count and nothing changes while PPO compares probabilities.
+    padding does not count and nothing changes while PPO compares probabilities.
 
     Args:
         channels: of the images.

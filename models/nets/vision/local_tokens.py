@@ -35,8 +35,7 @@ class LabelTokens(nn.Module):
     """Tokens from the environment's detector (``detector=gt`` by default); the features are learned.
 
     As in VTNet's preparation of DETR's output, the best detection of each label is kept, in the order of the labels;
-    among
-    equal scores the largest. Unused rows are zero.
+    among equal scores the largest. Unused rows are zero.
     """
 
     def __init__(self) -> None:

@@ -21,8 +21,7 @@ def placement_statistics(dataset: HabitDataset) -> dict[str, Any]:
     """Figures of the placements and of the habits that support them; shares are of placements unless named otherwise.
 
     ``unsupported_placements`` follows the labels; in a dataset without labels a placement counts as supported if a
-    habit
-    of its entry names the anchor in full. ``unnamed_placements`` is that criterion for every dataset.
+    habit of its entry names the anchor in full. ``unnamed_placements`` is that criterion for every dataset.
     """
     n_places = [len(entry.placements) for entry in dataset.entries]
     n_anchors = [len({place.anchor for place in entry.placements}) for entry in dataset.entries]

@@ -41,8 +41,7 @@ def run_hashes(
         config: of the run; neutral options are left out.
         episodes: that are played.
         weights: names or fingerprints of the weights; None: unknown since they are gone, and left out, so that a
-            finished
-            run can still be read.
+            finished run can still be read.
     """
     measured = {key: value for key, value in config.items() if key not in NEUTRAL_OPTIONS}
     habits = sorted({episode.habits_hash for episode in episodes})

@@ -70,8 +70,7 @@ def is_worth_comparing(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
     """Whether ``a - b`` deserves a row in the comparison of a sweep.
 
     It does for a habit level minus its baseline of the same agent, and for two agents at one level. An agent that reads
-    no
-    habits counts as being at every level.
+    no habits counts as being at every level.
 
     Args:
         a: content of a ``summary.json``.

@@ -1,8 +1,7 @@
 """Worker processes that play shares of the episodes, and are replaced when they stop answering or die.
 
 A stopped process does not end when asked to, and may leave half a message in its pipe. So a thread for each worker
-reads
-its pipe, and a worker that is silent for too long is killed; a new one plays the rest of its share.
+reads its pipe, and a worker that is silent for too long is killed; a new one plays the rest of its share.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Weights that agents and detectors need: whether they are there, and which they are.
 
 A part may have ``check()``, which raises an error of one line, and ``fingerprint()``, which gives a hash of the
-weights:
-"" where it needs none, None where they are missing.
+weights: "" where it needs none, None where they are missing.
 """
 
 from __future__ import annotations

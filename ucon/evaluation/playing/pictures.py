@@ -42,8 +42,7 @@ def save_film(frames: Sequence[Frame], captions: Sequence[str], folder: Path, na
 
     Args:
         frames: (H, W, 3) uint8 of ``env.render()``, W = 2 H: camera left, map right; and beside it the agent's picture
-            of
-            the same height, if it draws one. Sides are even.
+            of the same height, if it draws one. Sides are even.
         captions: one line of text above each frame.
         folder: is created if missing.
         name: file name without suffix.

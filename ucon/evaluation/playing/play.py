@@ -1,8 +1,7 @@
 """Plays stored episodes with one agent in one process and makes a record of each.
 
 An agent needs ``reset(infos, slots)`` and ``act(observations, infos, slots)``. If it calls a language model, it may
-have
-``language_usage(slot) -> (calls, tokens, seconds)`` since the slot's reset; if it chooses among candidates,
+have ``language_usage(slot) -> (calls, tokens, seconds)`` since the slot's reset; if it chooses among candidates,
 ``decisions(slot)``.
 """
 

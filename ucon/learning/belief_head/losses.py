@@ -15,9 +15,8 @@ def losses(outputs: Any, truth: Truth) -> dict[str, Tensor]:
     """Loss terms of one sample.
 
     ``anchor`` is the cross-entropy to the true distribution over candidates and "unseen"; ``relation`` is the
-    cross-entropy
-    of relations at the true anchors; ``relevance`` is a weighted binary cross-entropy of "the habit is about the
-    target".
+    cross-entropy of relations at the true anchors; ``relevance`` is a weighted binary cross-entropy of "the habit is
+    about the target".
 
     Args:
         outputs: a head's :class:`models.nets.belief.belief_head.HeadOutputs`.

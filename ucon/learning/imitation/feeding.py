@@ -96,8 +96,7 @@ class Feeder:
 
     Args:
         policy: its ``context`` and ``frame`` make the arrays; its frozen networks turn frames into ``features`` once,
-            on
-            the device of its parameters.
+            on the device of its parameters.
         make_env: makes an environment of ``UcON-v0``; pickled and sent to workers.
         workers: number of processes that play; 0 plays in this one.
         demonstrator: shows what to do in jobs; plays them where the replays are played, each only once.

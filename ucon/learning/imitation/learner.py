@@ -45,8 +45,7 @@ class ImitationLearner:
 
     Args:
         policy: an :class:`ucon.learning.policies.action_policy.ActionPolicy` that is a torch module; training starts
-            from
-            its present weights.
+            from its present weights.
         env: makes an environment of ``UcON-v0`` with what the policy reads; pickled and sent to workers.
         loss: loss of a chunk.
         validation: validation episodes, and the figure that chooses the best checkpoint.

@@ -39,9 +39,7 @@ class SequenceLoss:
     Done, for example, is one label per episode.
     """
     change: float = 1.0
-    """Factor on the weight of a label that differs from the action before it (inflection weighting, Wijmans et al.
-
-    2019).
+    """Factor on the weight of a label that differs from the action before it: inflection weighting (Wijmans 2019).
 
     Seven labels in eight repeat "forward"; a policy that learned only that would walk into walls.
     """

@@ -102,8 +102,7 @@ class ActionPolicy(Protocol):
         """Outputs of the policy's frozen networks on frames, without gradients.
 
         Calling the policy with frames or with their features gives the same. Features of features are unchanged, and so
-        are
-        frames where no network is frozen.
+        are frames where no network is frozen.
 
         Args:
             frames: tensors (..., *shape) by name.

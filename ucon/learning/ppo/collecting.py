@@ -127,8 +127,7 @@ class ExperienceCollector:
 
     Args:
         policy: an :class:`ucon.learning.policies.action_policy.ActionPolicy` that is a torch module; each collection
-            uses
-            its present weights.
+            uses its present weights.
         make_env: makes an environment; pickled and sent to workers.
         episodes: to draw from.
         levels: habit levels, mixed.

@@ -2,8 +2,7 @@
 
 A policy with memory is trained on sequences that end where their episode or ``chunk`` ends; one without, on single
 steps. Advantages are generalised (Schulman et al., 2016). The last step of each environment is not trained on: its
-value
-stands for the return that the episode cut off there would still have had.
+value stands for the return that the episode cut off there would still have had.
 """
 
 from __future__ import annotations
@@ -132,8 +131,7 @@ class Experience:
         """Figures of the collection, to log.
 
         ``episodes`` that ended; their mean ``success_rate``, ``spl``, ``steps`` and ``return``; and ``explained``, the
-        share of
-        the value targets' variance that the value had predicted.
+        share of the value targets' variance that the value had predicted.
         """
         over = self._batch["next", "done"][..., 0]
         outcome = self._batch["next", "outcome"][over].double()  # (episodes, 3)

@@ -178,8 +178,7 @@ class RetrieverLearner(CountedSteps):
         """Recall and MRR of the averaged adapter for targets of the val part, and ``score``.
 
         ``score`` is the recall at 20 of supporting habits, or of all habits where supports are unknown. The other
-        figures are
-        those of :func:`ucon.fitting.measures.measure_retrieval`.
+        figures are those of :func:`ucon.fitting.measures.measure_retrieval`.
         """
         parts = entry_parts(self.dataset)
         texts = list(dict.fromkeys(text for kb in self.validation_kbs for text in kb.texts))

@@ -69,8 +69,7 @@ class Checkpoints:
             state: of learner and trainer.
             best: step of the checkpoint with the best validation score so far; ``best`` points at it if it is ``step``.
             planned: whether a step is one at which the run saves anyway. A checkpoint of another step, where the run
-                was
-                stopped, is deleted at the next planned one: the run then leaves the same files as one that was not
+                was stopped, is deleted at the next planned one: the run then leaves the same files as one that was not
                     stopped.
 
         Returns:

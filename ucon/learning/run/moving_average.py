@@ -15,8 +15,7 @@ class MovingAverage:
     Args:
         parameters: tensors by name; an optimiser changes them in place.
         decay: share of the average that one update keeps, 0 <= decay < 1; 0 follows the parameters. In the first
-            updates
-            it is smaller, (1 + n) / (10 + n), so that the initial weights are soon forgotten.
+            updates it is smaller, (1 + n) / (10 + n), so that the initial weights are soon forgotten.
     """
 
     def __init__(self, parameters: Mapping[str, Tensor], decay: float) -> None:

@@ -78,8 +78,7 @@ def wandb_log(mode: str | bool | None, folder: Path, config: Mapping[str, Any]) 
     """Context manager that logs to Weights & Biases.
 
     Nothing is imported or sent unless asked for. ``online`` falls back to ``offline``, with one warning, where there is
-    no
-    network or nobody is logged in. It never asks for a key, so it cannot hang where nobody is there to answer.
+    no network or nobody is logged in. It never asks for a key, so it cannot hang where nobody is there to answer.
 
     Args:
         mode: false or None for no log, ``offline`` (files in the run's folder) or ``online``.

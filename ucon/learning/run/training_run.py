@@ -124,8 +124,7 @@ class TrainingRun:
         Args:
             checkpoint: its name, or ``latest``.
             steps: new length of the run, longer than planned; :attr:`plan` then has the extension, and the caller has
-                to
-                write it to ``config.yaml`` before the run goes on. None: as planned.
+                to write it to ``config.yaml`` before the run goes on. None: as planned.
 
         Raises:
             DataError: something in the folder is damaged, a link, or of another run.

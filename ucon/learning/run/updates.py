@@ -23,8 +23,7 @@ class Updates:
 
     Args:
         learned: a module, whose trainable parameters are updated and whose buffers are stored with them; or parameters
-            by
-            name.
+            by name.
         lr: highest learning rate.
         clip: largest norm of the whole gradient; a larger one is scaled down to it.
         steps: length of the schedule: a linear rise over ``warm_up`` steps, then half a cosine down to a tenth; 0 for a

@@ -101,8 +101,7 @@ def ask(question: Callable[[], T], seconds: float, workers: Callable[[], Sequenc
     """Call ``question``, which waits for workers, with a time limit; kill the workers where it takes longer.
 
     The call runs in a thread of its own. That thread is abandoned if it never returns, as libraries do when their
-    workers
-    have died.
+    workers have died.
 
     Args:
         question: waits for the workers and returns their answer.
