@@ -56,15 +56,16 @@ class Replayer:
         frames, rewards, views, ended = list[Arrays](), list[float](), list[Label](), False
         if self._expert is not None:
             self._expert.begin(_SLOT, trajectory.episode, self._env, info)
-        observation, info = led(self._env, trajectory.led, Seen(observation, info))
+        seen = led(self._env, trajectory.led, Seen(observation, info))
         for digit in trajectory.actions:
             if ended:
                 raise DataError(f"episode {trajectory.episode.id}: actions after its end; it was made by other rules")
-            frames.append(self._policy.frame(observation, info))
+            frames.append(self._policy.frame(*seen))
             if self._expert is not None:
-                self._expert.label(_SLOT, observation, info)
+                self._expert.label(_SLOT, *seen)
                 views.append(self._expert.views(_SLOT))
             observation, reward, terminated, truncated, info = self._env.step(int(digit))
+            seen = Seen(observation, info)
             rewards.append(float(reward))
             ended = terminated or truncated
         stacked = {name: np.stack([np.asarray(frame[name]) for frame in frames]) for name in frames[0]}
