@@ -88,10 +88,14 @@ class _Seeing(PolicyModule):
         frames = self.features(frames)
         steps, batch = frames["map"].shape[:2]
         flat = {name: tensor.flatten(0, 1) for name, tensor in frames.items()}
-        marked = indicator(flat, context["target"].repeat(steps))
+        return self._transformed(flat, context["target"].repeat(steps)).unflatten(0, (steps, batch))
+
+    def _transformed(self, flat: Tensors, target: Tensor) -> Tensor:
+        """Output (N, 3136) float32 of the visual transformer for features of N frames, each with its target (N,)."""
+        marked = indicator(flat, target)
         things = described(flat["label"], self.tokens.n_labels, flat["box"], flat["score"], marked)
         found: Tensor = self.visual(self.tokens(flat), things, flat["map"].float())
-        return found.unflatten(0, (steps, batch))
+        return found
 
 
 class VTN(_Seeing):
@@ -109,6 +113,7 @@ class VTN(_Seeing):
         *,
         dropout: float = 0.1,
         pretrained: str | None = None,
+        freeze_visual: bool = False,
         seed: int = 0,
     ) -> None:
         """Build the network with random weights.
@@ -119,6 +124,8 @@ class VTN(_Seeing):
             dropout: of the visual transformer in training.
             pretrained: weights of :class:`VTNPretraining`, or a run of ``train.py agent=vtn_pretraining``; the release
                 says that training collapses without.
+            freeze_visual: only the LSTM and the layers behind it are trained. What the visual transformer makes of a
+                frame is then computed once, when the frame is seen.
             seed: of the weights.
 
         Raises:
@@ -126,6 +133,10 @@ class VTN(_Seeing):
             DataError: no weights in ``pretrained``, or those of another network.
         """
         super().__init__(tokens, backbone, dropout)
+        self._frozen = freeze_visual
+        if freeze_visual:
+            self.visual.requires_grad_(False)
+            self.tokens.requires_grad_(False)
         self.action_embed = nn.Linear(N_ACTIONS, _ACTION_WIDTH)
         self.lstm = nn.LSTM(VISUAL_WIDTH + _ACTION_WIDTH, _HIDDEN, num_layers=2)
         self.actor = nn.Linear(_HIDDEN, N_ACTIONS)
@@ -135,6 +146,33 @@ class VTN(_Seeing):
             _initialise(self)
         if pretrained is not None:
             self._load_pretrained(VTNPretraining(self.tokens, self._backbone), pretrained)
+
+    def train(self, mode: bool = True) -> VTN:
+        """As in torch; a frozen visual transformer has no dropout."""
+        super().train(mode)
+        if self._frozen:
+            self.visual.eval()
+        return self
+
+    def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
+        """As of the pre-training; where the visual transformer is frozen also the ``target``, which it reads."""
+        arrays = super().frame(observation, info)
+        return {**arrays, **self.context(info)} if self._frozen else arrays
+
+    def features(self, frames: Tensors) -> Tensors:
+        """As of the pre-training; where the visual transformer is frozen only ``seen`` (..., 3136) float32."""
+        if not self._frozen:
+            return super().features(frames)
+        if "seen" in frames:
+            return frames
+        known, leading = super().features(frames), frames["target"].shape
+        flat = {name: tensor.flatten(0, len(leading) - 1) for name, tensor in known.items()}
+        with torch.no_grad(), torch.autocast(self.device.type, enabled=False):
+            return {"seen": self._transformed(flat, flat["target"]).unflatten(0, leading)}
+
+    def seen(self, frames: Tensors, context: Tensors) -> Tensor:
+        """As of the pre-training; what a frozen visual transformer made of the frames is in its features."""
+        return self.features(frames)["seen"] if self._frozen else super().seen(frames, context)
 
     def initial_state(self, batch: int) -> Tensors:
         """LSTM ``hidden`` and ``cell`` (B, 2, 512), and the last action's ``probabilities`` (B, 7); all 0."""
@@ -163,7 +201,7 @@ class VTN(_Seeing):
         return PolicyOutputs(torch.stack(logits), self.critic(torch.stack(hidden))[..., 0].float(), after)
 
     def _load_pretrained(self, pretraining: VTNPretraining, path: str) -> None:
-        """Load the pre-trained visual transformer."""
+        """Load the pre-trained visual transformer; the tokens are shared."""
         load_network(path, pretraining, how="train it with `python train.py agent=vtn_pretraining learner=imitation`")
         self.visual.load_state_dict(pretraining.visual.state_dict())
 

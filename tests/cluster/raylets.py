@@ -9,6 +9,8 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 #: Most seconds until workers that were started have a place.
 PLACED_S = 60.0
+#: Most seconds until a process that was killed has ended.
+ENDED_S = 30.0
 
 
 class Raylets:
@@ -53,6 +55,14 @@ def two_raylets(cpus: int = 1) -> Iterator[Raylets]:
         yield made
     finally:
         made.close()
+
+
+def wait_until_ended(processes: list[int]) -> None:
+    """Wait until none of them runs: a process that was killed ends a moment later."""
+    end = time.monotonic() + ENDED_S
+    while running := [process for process in processes if is_running(process)]:
+        assert time.monotonic() < end, f"still running: {running}"
+        time.sleep(0.1)
 
 
 def is_running(process: int) -> bool:

@@ -8,7 +8,7 @@ pytest.importorskip("ray")
 
 from models.agents.random import RandomAgent
 from tests.cluster.agents import Befalls, Slow
-from tests.cluster.raylets import is_running, two_raylets
+from tests.cluster.raylets import two_raylets, wait_until_ended
 from ucon.cluster.runner import RayRunner
 from ucon.core.errors import ConfigError, EpisodeError
 from ucon.envs.ucon_env import UcONEnv
@@ -71,7 +71,7 @@ def test_what_no_worker_survives_ends_the_run(cluster, tmp_path):
         played_on(cluster, agent, count=2)
     processes = [int(path.name) for path in tmp_path.iterdir()]
     assert len(processes) == 3
-    assert not any(map(is_running, processes))
+    wait_until_ended(processes)
 
 
 @pytest.mark.slow

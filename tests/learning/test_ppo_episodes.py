@@ -15,6 +15,8 @@ from ucon.core.errors import ConfigError, DataError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.learning.episodes.collecting import EpisodeRollouts
 from ucon.learning.episodes.experience import experience_from_json, generalised_advantages
+from ucon.learning.imitation.feeding import _unpacked
+from ucon.learning.imitation.replaying import Replayer
 from ucon.learning.run.training_run import Plan, TrainingRun
 from ucon.task.actions import Action
 from ucon.task.reward import Reward
@@ -94,6 +96,18 @@ def test_every_epoch_reads_each_episode_of_the_newest_collection_once(learner):
     assert len(found.feeder._kept) == 4
 
 
+def test_a_share_begins_near_the_end_of_the_solution(learner):
+    """With what was done before kept: the rewards of the steps that it took are those of playing it again."""
+    found = learner(lasting(), rollouts={"episodes": 8, "backplay": 0.5, "backplay_steps": 5})
+    found.step()
+    led = [one for one in found.collected if one.led]
+    assert 0 < len(led) < 8
+    assert all(1 <= len(one.episode.solution) - len(one.led) <= 5 for one in led)
+    for one in led:
+        kept, again = _unpacked(found.feeder._kept[found.feeder._key(one)]), Replayer(found.act, found.make_env)(one)
+        assert np.array_equal(kept.rewards, again.rewards)
+
+
 def test_it_learns_what_pays(learner):
     """Where only blocked moves cost, it stops bumping into things."""
     env = functools.partial(UcONEnv, "mini", observe="pixels", reward=Reward(success=0, step=0, collision=-1))
@@ -154,8 +168,9 @@ def test_a_run_that_is_killed_goes_on_to_the_same_bytes(learner, tmp_path, at):
 
 
 def test_experience_is_read_as_it_was_written(learner):
-    found = learner()
+    found = learner(rollouts={"backplay": 0.5})
     found.step()
+    assert len({bool(one.led) for one in found.collected}) == 2
     rows = [one.to_json() for one in found.collected]
     again = experience_from_json(rows, {one.id: one for one in found.episodes})
     assert [one.to_json() for one in again] == rows
@@ -172,6 +187,8 @@ def test_experience_is_read_as_it_was_written(learner):
         (lambda row: [*row[:4], row[6], *row[5:]], "that cannot be"),
         (lambda row: [*row[:8], 2.0], "that cannot be"),
         (lambda row: [*row[:7], "yes", row[8]], "that cannot be"),
+        (lambda row: [*row, "09"], "trajectory of other episodes"),
+        (lambda row: [*row, "0", "0"], "experience of another form"),
     ],
 )
 def test_a_state_whose_experience_was_changed_is_refused(learner, change, message):
@@ -198,6 +215,8 @@ def _all_ones(length):
         ({"epochs": 1.5}, r"rollouts\.epochs=1\.5"),
         ({"discount": 1.5}, r"rollouts\.discount=1\.5: must be from 0 to 1"),
         ({"trace": True}, r"rollouts\.trace=True: must be from 0 to 1"),
+        ({"backplay": 1.1}, r"rollouts\.backplay=1\.1: must be from 0 to 1"),
+        ({"backplay_steps": 0}, r"rollouts\.backplay_steps=0: must be a whole number from 1"),
         ({"temperature": 0}, r"rollouts\.temperature=0: must be above 0"),
     ],
 )

@@ -15,9 +15,10 @@ from models.nets.vision.visual_transformer import VisualTransformer, described, 
 from models.vtn import VTN, VTNPretraining
 from ucon.core.errors import ConfigError, DataError
 from ucon.core.files import write_atomic, write_manifest
+from ucon.learning.policies.action_policy import Arrays
 from ucon.learning.run.network_files import network_files
 from ucon.objects.catalogue import catalogue
-from ucon.perception.mapping.detections import STRUCTURE_KINDS
+from ucon.perception.mapping.detections import STRUCTURE_KINDS, Detections
 
 
 def count(module: torch.nn.Module) -> int:
@@ -169,6 +170,33 @@ def test_it_goes_on_from_pretraining(tmp_path: Path) -> None:
     assert torch.equal(vtn.lstm.weight_hh_l0, fresh.lstm.weight_hh_l0)
     with pytest.raises(DataError, match="agent=vtn_pretraining learner=imitation"):
         VTN(pretrained=str(tmp_path / "none"))
+
+
+def stacked(frames: list[Arrays]) -> dict[str, torch.Tensor]:
+    """Frames of one episode as tensors (T, 1, ...)."""
+    return {name: torch.from_numpy(np.stack([frame[name] for frame in frames]))[:, None] for name in frames[0]}
+
+
+def test_frozen_its_visual_transformer_looks_once_and_stays(vtn: VTN) -> None:
+    """Same outputs and same weights on disk; only what is behind the visual transformer has gradients."""
+    frozen, draw = VTN(freeze_visual=True).train(), np.random.default_rng(0)
+    tracks = np.zeros((128, 128), np.int16)
+    tracks[20:60, 30:90] = 1
+    seen = Detections(np.array([0, 1]), ["walls", "mug"], np.array([13_984, 2_400], np.int32), tracks)
+    info = {"target": "mug", "detections": seen, "tracks": tracks}
+    images = [{"rgb": draw.integers(0, 255, (128, 128, 3), np.uint8)} for _ in range(3)]
+    frames, plain = (stacked([policy.frame(one, info) for one in images]) for policy in (frozen, vtn))
+    context = {"target": torch.from_numpy(vtn.context(info)["target"])[None]}
+    features = frozen.features(frames)
+    assert {name: tensor.shape for name, tensor in features.items()} == {"seen": (3, 1, 3136)}
+    found = frozen(features, context, frozen.initial_state(1))
+    with torch.inference_mode():
+        assert torch.allclose(found.logits, vtn(plain, context, vtn.initial_state(1)).logits, atol=1e-5)
+    found.logits.square().sum().backward()
+    taught = {name for name, value in frozen.named_parameters() if value.grad is not None}
+    assert {name.split(".")[0] for name in taught} == {"action_embed", "lstm", "actor"}
+    assert not any(value.requires_grad for value in frozen.visual.parameters())
+    assert frozen.state_dict().keys() == vtn.state_dict().keys()
 
 
 def test_the_last_probabilities_are_carried(vtn: VTN) -> None:

@@ -47,13 +47,18 @@ class EpisodeRollouts:
     """Discount of rewards per step."""
     trace: float = 0.95
     """Lambda of the generalised advantages."""
+    backplay: float = 0.0
+    """Share of episodes that begin along their stored solution, near its end (Backplay: Resnick et al. 2018). A policy
+    that hardly ever succeeds from the start does so there."""
+    backplay_steps: int = 30
+    """At most so many steps of the solution are left there; how many is drawn."""
 
     def __post_init__(self) -> None:
-        for name in ("episodes", "epochs", "max_steps", "slots"):
+        for name in ("episodes", "epochs", "max_steps", "slots", "backplay_steps"):
             value = getattr(self, name)
             if type(value) is not int or value < 1:
                 raise ConfigError(f"learner.rollouts.{name}={brief(value)}: must be a whole number from 1 up")
-        for name in ("discount", "trace"):
+        for name in ("discount", "trace", "backplay"):
             value = getattr(self, name)
             if type(value) not in (int, float) or not 0 <= value <= 1:
                 raise ConfigError(f"learner.rollouts.{name}={brief(value)}: must be from 0 to 1")
@@ -111,8 +116,9 @@ class EpisodeCollector:
             log_p = np.array(chooser.log_p[number], np.float32)
             did = one.actions
             experience = Experience(
-                one.job.episode, one.job.level, did, did, log_p, advantage, advantage + values, one.success, one.spl
-            )
+                one.job.episode, one.job.level, did, did, log_p, advantage, advantage + values, one.success, one.spl,
+                led=one.job.led,
+            )  # fmt: skip
             played.append((experience, one.replay))
         return played
 

@@ -19,7 +19,7 @@ Floats = NDArray[np.float32]
 #: Names of the arrays among the frames that the loss reads.
 LOG_P, ADVANTAGE, TARGET = "old_log_p", "advantage", "value_target"
 _ARRAYS: Final = ("log_p", "advantage", "target")
-#: Fields of a plain trajectory in JSON.
+#: Fields of a plain trajectory in JSON, without ``led``.
 _FIELDS: Final = 4
 
 
@@ -37,8 +37,9 @@ class Experience(Trajectory):
     spl: float
 
     def to_json(self) -> list[Any]:
-        """As of a trajectory, then the arrays as base64 of little-endian float32, success and SPL."""
-        return [*super().to_json(), *(_text(getattr(self, name)) for name in _ARRAYS), self.success, self.spl]
+        """As of a trajectory, then the arrays as base64 of little-endian float32, success and SPL; last is ``led``."""
+        plain, arrays = super().to_json(), (_text(getattr(self, name)) for name in _ARRAYS)
+        return [*plain[:_FIELDS], *arrays, self.success, self.spl, *plain[_FIELDS:]]
 
 
 def generalised_advantages(rewards: Floats, values: Floats, discount: float, trace: float) -> Floats:
@@ -82,19 +83,21 @@ def experience_from_json(rows: Any, episodes: Mapping[str, Episode]) -> list[Exp
         DataError: a row of another form, of an unknown episode, or with arrays that cannot be.
     """
     width = _FIELDS + len(_ARRAYS) + 2
-    if not isinstance(rows, list) or not all(isinstance(row, list) and len(row) == width for row in rows):
+    if not isinstance(rows, list) or not all(isinstance(row, list) and len(row) in (width, width + 1) for row in rows):
         raise DataError("state with experience of another form; resume with the run's own configuration")
-    trajectories = trajectories_from_json([row[:_FIELDS] for row in rows], episodes)
+    trajectories = trajectories_from_json([[*row[:_FIELDS], *row[width:]] for row in rows], episodes)
     found = []
     for one, row in zip(trajectories, rows, strict=True):
         log_p, advantage, target = (_array(text, len(one.actions)) for text in row[_FIELDS : _FIELDS + len(_ARRAYS)])
-        success, spl = row[-2:]
+        success, spl = row[width - 2 : width]
         if type(success) is not bool or type(spl) is not float or not 0.0 <= spl <= 1.0 or (log_p > 0).any():
             raise DataError(
                 f"state with experience of episode {one.episode.id} that cannot be; go on from an earlier one"
             )
         found.append(
-            Experience(one.episode, one.level, one.actions, one.labels, log_p, advantage, target, success, spl)
+            Experience(
+                one.episode, one.level, one.actions, one.labels, log_p, advantage, target, success, spl, led=one.led
+            )  # fmt: skip
         )
     return found
 

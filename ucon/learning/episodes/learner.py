@@ -49,7 +49,7 @@ class EpisodePPOLearner(CollectingLearner):
         if options.pop("demonstrator", None) is not None:
             raise ConfigError("learner.demonstrator: for learner=imitation; PPO learns from what came of its own play")
         self.rollouts = rollouts
-        super().__init__(**options)
+        super().__init__(rollouts, **options)
         if self.validation.choose not in ("success_rate", "spl"):
             raise ConfigError(f"learner.validation.choose={self.validation.choose}: expected success_rate or spl")
         self._new: Figures = {}
@@ -59,11 +59,6 @@ class EpisodePPOLearner(CollectingLearner):
     def per_iteration(self) -> int:
         """Learning steps between two collections: all its episodes ``epochs`` times."""
         return self.rollouts.epochs * -(-self.rollouts.episodes // self.batch)
-
-    @property
-    def per_collection(self) -> int:
-        """Episodes of a collection."""
-        return self.rollouts.episodes
 
     def weights_that_play(self) -> dict[str, Tensor]:
         """A copy of the present weights and buffers, on the CPU: it learns from what *they* do."""

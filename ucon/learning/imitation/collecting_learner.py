@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final, cast
+from typing import Any, Final, Protocol, cast
 
 from torch import Tensor
 
 from ucon.core.device import torch_device
 from ucon.core.errors import DataError
 from ucon.core.progress import part as progress
+from ucon.core.rng import stream
 from ucon.learning.imitation.learner import ImitationLearner
 from ucon.learning.imitation.trajectories import Trajectory, trajectories_from_json
 from ucon.learning.policies.playing import Job
@@ -28,19 +29,40 @@ from ucon.task.episode import Episode
 _PLAYING: Final = "playing/"
 
 
+class Rollouts(Protocol):
+    """What every collection needs; learners have more."""
+
+    @property
+    def episodes(self) -> int:
+        """Episodes of one collection."""
+        ...
+
+    @property
+    def backplay(self) -> float:
+        """Share of episodes that begin along their stored solution, near its end (Backplay: Resnick et al. 2018)."""
+        ...
+
+    @property
+    def backplay_steps(self) -> int:
+        """At most so many steps of the solution are left there; how many is drawn."""
+        ...
+
+
 class CollectingLearner(ImitationLearner):
     """Imitation learner that collects its own trajectories (see the module).
 
-    Subclasses say how long a collection is learned from (:attr:`per_iteration`), of how many episodes it is
-    (:attr:`per_collection`), what plays it (:meth:`parts`), and what is done with it (:meth:`keep`).
+    Subclasses say how long a collection is learned from (:attr:`per_iteration`), what plays it (:meth:`parts`), and
+    what is done with it (:meth:`keep`).
 
     Args:
+        rollouts: how much is collected, and where episodes begin.
         options: arguments of :class:`ucon.learning.imitation.learner.ImitationLearner`.
     """
 
     options_of = CollectingOptions
 
-    def __init__(self, **options: Any) -> None:
+    def __init__(self, rollouts: Rollouts, **options: Any) -> None:
+        self._rollouts = rollouts
         super().__init__(**options)
         self.collected: list[Trajectory] = []
         self._playing: dict[str, Tensor] = {}
@@ -64,14 +86,13 @@ class CollectingLearner(ImitationLearner):
         """Learning steps between two collections."""
         raise NotImplementedError
 
-    @property
-    def per_collection(self) -> int:
-        """Episodes of a collection."""
-        raise NotImplementedError
-
     def job(self, item: int) -> Job:
-        """Episode ``item``, from 0, of all that are ever collected."""
-        return Job(*self.assigned(item))
+        """Episode ``item``, from 0, of all that are ever collected; some begin near the end of their solution."""
+        job, draw = Job(*self.assigned(item)), stream(self.seed, "backplay", item)
+        if draw.random() >= self._rollouts.backplay:
+            return job
+        left = int(draw.integers(1, self._rollouts.backplay_steps, endpoint=True))
+        return replace(job, led=job.episode.solution[:-left])
 
     def parts(self, iteration: int, jobs: Sequence[Job], weights: Mapping[str, Tensor]) -> Sequence[Any]:
         """A collection cut into parts, as the feeder's collector plays them.
@@ -162,13 +183,13 @@ class CollectingLearner(ImitationLearner):
         made: list[Any] = []
         for part in self._ahead or self._asked_for(iteration):
             made += part()  # where this process plays it, it shows its own progress
-            with progress("collecting", self.per_collection) as tick:
+            with progress("collecting", self._rollouts.episodes) as tick:
                 tick(len(made))
         self.keep(made)
         self._ahead, self._stream = [], None
 
     def _asked_for(self, iteration: int) -> list[Callable[[], list[Any]]]:
         """Parts of a collection, which workers begin to play."""
-        first = iteration * self.per_collection
-        jobs = [self.job(first + k) for k in range(self.per_collection)]
+        first = iteration * self._rollouts.episodes
+        jobs = [self.job(first + k) for k in range(self._rollouts.episodes)]
         return self.feeder.begin_collecting(self.parts(iteration, jobs, self._playing))

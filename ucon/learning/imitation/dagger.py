@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, cast
 
 from torch import Tensor, dtype
@@ -92,17 +92,12 @@ class DaggerLearner(CollectingLearner):
         if options.pop("demonstrator", None) is not None:
             raise ConfigError("learner.demonstrator: for learner=imitation; DAgger's expert corrects what is played")
         self.rollouts, self.expert = rollouts, expert or KnowingExpert()
-        super().__init__(**options)
+        super().__init__(rollouts, **options)
 
     @property
     def per_iteration(self) -> int:
         """Learning steps between two collections."""
         return self.rollouts.per_iteration
-
-    @property
-    def per_collection(self) -> int:
-        """Episodes of a collection."""
-        return self.rollouts.episodes
 
     @property
     def identity(self) -> Mapping[str, str]:
@@ -136,14 +131,6 @@ class DaggerLearner(CollectingLearner):
                 *(newest[int(k)] for k in draw.choice(len(newest), fresh, replace=False)),
                 *(self.collected[int(k)] for k in draw.choice(len(self.collected), rest, replace=False)),
             ]
-
-    def job(self, item: int) -> Job:
-        """As of learners that collect; a share ``rollouts.backplay`` begins near the end of the stored solution."""
-        job, draw = super().job(item), stream(self.seed, "backplay", item)
-        if draw.random() >= self.rollouts.backplay:
-            return job
-        left = int(draw.integers(1, self.rollouts.backplay_steps, endpoint=True))
-        return replace(job, led=job.episode.solution[:-left])
 
     def parts(self, iteration: int, jobs: Sequence[Job], weights: Mapping[str, Tensor]) -> Sequence[CollectionPart]:
         """Parts of as many episodes as are played at once."""
