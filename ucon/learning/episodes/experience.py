@@ -94,11 +94,10 @@ def experience_from_json(rows: Any, episodes: Mapping[str, Episode]) -> list[Exp
             raise DataError(
                 f"state with experience of episode {one.episode.id} that cannot be; go on from an earlier one"
             )
-        found.append(
-            Experience(
-                one.episode, one.level, one.actions, one.labels, log_p, advantage, target, success, spl, led=one.led
-            )  # fmt: skip
+        made = Experience(
+            one.episode, one.level, one.actions, one.labels, log_p, advantage, target, success, spl, led=one.led
         )
+        found.append(made)
     return found
 
 
