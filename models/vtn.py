@@ -124,8 +124,8 @@ class VTN(_Seeing):
             dropout: of the visual transformer in training.
             pretrained: weights of :class:`VTNPretraining`, or a run of ``train.py agent=vtn_pretraining``; the release
                 says that training collapses without.
-            freeze_visual: only the LSTM and the layers behind it are trained. What the visual transformer makes of a
-                frame is then computed once, when the frame is seen.
+            freeze_visual: only the LSTM and the layers behind it are trained, with the visual transformer of
+                ``pretrained`` or of weights that are loaded later. What it makes of a frame is computed once.
             seed: of the weights.
 
         Raises:
@@ -134,7 +134,7 @@ class VTN(_Seeing):
         """
         super().__init__(tokens, backbone, dropout)
         self._frozen = freeze_visual
-        if freeze_visual:
+        if freeze_visual:  # still a submodule: it was trained before, and is stored with the policy
             self.visual.requires_grad_(False)
             self.tokens.requires_grad_(False)
         self.action_embed = nn.Linear(N_ACTIONS, _ACTION_WIDTH)
@@ -165,10 +165,10 @@ class VTN(_Seeing):
             return super().features(frames)
         if "seen" in frames:
             return frames
-        known, leading = super().features(frames), frames["target"].shape
-        flat = {name: tensor.flatten(0, len(leading) - 1) for name, tensor in known.items()}
+        target = frames["target"]
+        flat = {name: tensor.flatten(0, target.ndim - 1) for name, tensor in super().features(frames).items()}
         with torch.no_grad(), torch.autocast(self.device.type, enabled=False):
-            return {"seen": self._transformed(flat, flat["target"]).unflatten(0, leading)}
+            return {"seen": self._transformed(flat, target.flatten()).unflatten(0, target.shape)}
 
     def seen(self, frames: Tensors, context: Tensors) -> Tensor:
         """As of the pre-training; what a frozen visual transformer made of the frames is in its features."""

@@ -215,6 +215,14 @@ def test_vtn_plays_with_detr(folders: dict[str, Path], frames: torch.Tensor) -> 
     assert any(not torch.equal(answer, answers[0]) for answer in answers[1:])
     assert vtn.arguments["tokens"].startswith("detr ")
     assert vtn.fingerprint() == vtn.tokens.fingerprint()
+    info = {"target": "cup"}
+    frozen = VTN(DetrTokens(str(folders["detr"]), image_px=64), freeze_visual=True).eval()
+    framed = frozen.frame({"rgb": frames[0].numpy()}, info).items()
+    seen = frozen.features({key: torch.tensor(a)[None, None] for key, a in framed})
+    target = {"target": torch.tensor(vtn.context(info)["target"])[None]}
+    with torch.inference_mode():
+        found = frozen(seen, target, frozen.initial_state(1)).logits
+        assert torch.allclose(found, vtn(shown, target, vtn.initial_state(1)).logits, atol=1e-5)
 
 
 def test_clip_goals_have_its_size_and_length_one(folders: dict[str, Path]) -> None:

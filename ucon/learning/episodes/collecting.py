@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ucon.core.errors import ConfigError, brief
 from ucon.learning.episodes.experience import Experience, generalised_advantages
 from ucon.learning.imitation.replaying import Replayer
+from ucon.learning.imitation.rollouts import Rollouts
 from ucon.learning.imitation.trajectories import Replay
 from ucon.learning.policies.playing import Job, Players, PolicyChooser, Seen
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class EpisodeRollouts:
+class EpisodeRollouts(Rollouts):
     """How many episodes one collection plays, and how they are learned from.
 
     Raises:
@@ -35,33 +36,21 @@ class EpisodeRollouts:
 
     episodes: int = 64
     """Episodes of one collection."""
-    epochs: int = 1
-    """Passes over a collection."""
     max_steps: int = 300
     """Episodes are cut off after this many actions."""
-    slots: int = 20
-    """Episodes played at once, by one process."""
+    epochs: int = 1
+    """Passes over a collection."""
     temperature: float = 1.0
     """Actions are drawn at this temperature, which is part of the policy that is learned."""
     discount: float = 0.99
     """Discount of rewards per step."""
     trace: float = 0.95
     """Lambda of the generalised advantages."""
-    backplay: float = 0.0
-    """Share of episodes that begin along their stored solution, near its end (Backplay: Resnick et al. 2018). A policy
-    that hardly ever succeeds from the start does so there."""
-    backplay_steps: int = 30
-    """At most so many steps of the solution are left there; how many is drawn."""
 
     def __post_init__(self) -> None:
-        for name in ("episodes", "epochs", "max_steps", "slots", "backplay_steps"):
-            value = getattr(self, name)
-            if type(value) is not int or value < 1:
-                raise ConfigError(f"learner.rollouts.{name}={brief(value)}: must be a whole number from 1 up")
-        for name in ("discount", "trace", "backplay"):
-            value = getattr(self, name)
-            if type(value) not in (int, float) or not 0 <= value <= 1:
-                raise ConfigError(f"learner.rollouts.{name}={brief(value)}: must be from 0 to 1")
+        super().__post_init__()
+        self.require_counts("epochs")
+        self.require_shares("discount", "trace")
         if type(self.temperature) not in (int, float) or not 0 < self.temperature <= 100:
             raise ConfigError(f"learner.rollouts.temperature={brief(self.temperature)}: must be above 0, at most 100")
 

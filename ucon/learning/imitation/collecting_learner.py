@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final, Protocol, cast
+from typing import Any, Final, cast
 
 from torch import Tensor
 
@@ -18,6 +18,7 @@ from ucon.core.errors import DataError
 from ucon.core.progress import part as progress
 from ucon.core.rng import stream
 from ucon.learning.imitation.learner import ImitationLearner
+from ucon.learning.imitation.rollouts import Rollouts
 from ucon.learning.imitation.trajectories import Trajectory, trajectories_from_json
 from ucon.learning.policies.playing import Job
 from ucon.learning.run.options import CollectingOptions
@@ -27,25 +28,6 @@ from ucon.task.episode import Episode
 
 #: Prefix of the names of the weights that play, in the state.
 _PLAYING: Final = "playing/"
-
-
-class Rollouts(Protocol):
-    """What every collection needs; learners have more."""
-
-    @property
-    def episodes(self) -> int:
-        """Episodes of one collection."""
-        ...
-
-    @property
-    def backplay(self) -> float:
-        """Share of episodes that begin along their stored solution, near its end (Backplay: Resnick et al. 2018)."""
-        ...
-
-    @property
-    def backplay_steps(self) -> int:
-        """At most so many steps of the solution are left there; how many is drawn."""
-        ...
 
 
 class CollectingLearner(ImitationLearner):
@@ -62,7 +44,7 @@ class CollectingLearner(ImitationLearner):
     options_of = CollectingOptions
 
     def __init__(self, rollouts: Rollouts, **options: Any) -> None:
-        self._rollouts = rollouts
+        self.rollouts = rollouts
         super().__init__(**options)
         self.collected: list[Trajectory] = []
         self._playing: dict[str, Tensor] = {}
@@ -89,9 +71,9 @@ class CollectingLearner(ImitationLearner):
     def job(self, item: int) -> Job:
         """Episode ``item``, from 0, of all that are ever collected; some begin near the end of their solution."""
         job, draw = Job(*self.assigned(item)), stream(self.seed, "backplay", item)
-        if draw.random() >= self._rollouts.backplay:
+        if draw.random() >= self.rollouts.backplay:
             return job
-        left = int(draw.integers(1, self._rollouts.backplay_steps, endpoint=True))
+        left = int(draw.integers(1, self.rollouts.backplay_steps, endpoint=True))
         return replace(job, led=job.episode.solution[:-left])
 
     def parts(self, iteration: int, jobs: Sequence[Job], weights: Mapping[str, Tensor]) -> Sequence[Any]:
@@ -183,13 +165,13 @@ class CollectingLearner(ImitationLearner):
         made: list[Any] = []
         for part in self._ahead or self._asked_for(iteration):
             made += part()  # where this process plays it, it shows its own progress
-            with progress("collecting", self._rollouts.episodes) as tick:
+            with progress("collecting", self.rollouts.episodes) as tick:
                 tick(len(made))
         self.keep(made)
         self._ahead, self._stream = [], None
 
     def _asked_for(self, iteration: int) -> list[Callable[[], list[Any]]]:
         """Parts of a collection, which workers begin to play."""
-        first = iteration * self._rollouts.episodes
-        jobs = [self.job(first + k) for k in range(self._rollouts.episodes)]
+        first = iteration * self.rollouts.episodes
+        jobs = [self.job(first + k) for k in range(self.rollouts.episodes)]
         return self.feeder.begin_collecting(self.parts(iteration, jobs, self._playing))

@@ -24,13 +24,14 @@ from ucon.learning.imitation.collecting import CollectionPart, Collector
 from ucon.learning.imitation.collecting_learner import CollectingLearner
 from ucon.learning.imitation.experts import Corrector, KnowingExpert
 from ucon.learning.imitation.feeding import Feeder
+from ucon.learning.imitation.rollouts import Rollouts
 from ucon.learning.imitation.trajectories import Trajectory
 from ucon.learning.policies.playing import Job
 from ucon.learning.run.options import DaggerOptions
 
 
 @dataclass(frozen=True)
-class DaggerRollouts:
+class DaggerRollouts(Rollouts):
     """How many episodes one DAgger collection plays, and with which mixture of policy and expert.
 
     Raises:
@@ -39,35 +40,19 @@ class DaggerRollouts:
 
     per_iteration: int = 200
     """Learning steps between two collections."""
-    episodes: int = 200
-    """Episodes of one collection."""
     newest: float = 0.5
     """Share of each step's episodes that are from the newest collection; the others are from all."""
     mixture: float = 0.5
     """The expert acts with probability ``mixture ** iteration``: 1 in the first collection, then less each time."""
     least: float = 0.0
     """But with at least this probability."""
-    max_steps: int = 200
-    """Episodes are cut off after this many actions."""
-    slots: int = 20
-    """Episodes played at once, by one process."""
     temperature: float = 1.0
     """The policy's actions are sampled at this temperature; 0: the action with the highest logit."""
-    backplay: float = 0.0
-    """Share of episodes that begin along their stored solution, near its end (Backplay: Resnick et al. 2018). Reactive
-    policies see the target in few frames of a whole search, and in many of these."""
-    backplay_steps: int = 30
-    """At most so many steps of the solution are left there; how many is drawn."""
 
     def __post_init__(self) -> None:
-        for name in ("per_iteration", "episodes", "max_steps", "slots", "backplay_steps"):
-            value = getattr(self, name)
-            if type(value) is not int or value < 1:
-                raise ConfigError(f"learner.rollouts.{name}={brief(value)}: must be a whole number from 1 up")
-        for name in ("mixture", "least", "newest", "backplay"):
-            value = getattr(self, name)
-            if type(value) not in (int, float) or not 0 <= value <= 1:
-                raise ConfigError(f"learner.rollouts.{name}={brief(value)}: must be from 0 to 1")
+        super().__post_init__()
+        self.require_counts("per_iteration")
+        self.require_shares("mixture", "least", "newest")
         if type(self.temperature) not in (int, float) or not 0 <= self.temperature <= 100:
             raise ConfigError(f"learner.rollouts.temperature={brief(self.temperature)}: must be from 0 to 100")
 
@@ -88,10 +73,12 @@ class DaggerLearner(CollectingLearner):
 
     options_of = DaggerOptions
 
+    rollouts: DaggerRollouts
+
     def __init__(self, rollouts: DaggerRollouts, expert: Corrector | None = None, **options: Any) -> None:
         if options.pop("demonstrator", None) is not None:
             raise ConfigError("learner.demonstrator: for learner=imitation; DAgger's expert corrects what is played")
-        self.rollouts, self.expert = rollouts, expert or KnowingExpert()
+        self.expert = expert or KnowingExpert()
         super().__init__(rollouts, **options)
 
     @property
