@@ -29,6 +29,7 @@ from models.nets.end_to_end.floor_memory import (
     MemoryStep,
     Outlook,
     initial_maps,
+    kept_counts,
     layers,
     outlook,
     track_belief,
@@ -142,7 +143,7 @@ class HabitPolicyE2E(PolicyModule):
         self._reader, self._head = reader, head
         self._arguments = {"image_px": image_px, "width": width, "hidden": hidden}
         self._arguments |= {"rgb": rgb, "plan": plan, "attend": attend, "scores": scores}
-        self._advisor, self._clip = advisor, clip
+        self._advisor, self._clip, self._kept = advisor, clip, kept_counts()
         self._sharpness, self._trust = float(sharpness), float(trust)
         self._rgb, self._plan, self._attend, self._scores, self._image_px = rgb, plan, attend, scores, image_px
         known = tuple(self.reader.known)  # loading it draws random numbers, the first time
@@ -357,7 +358,7 @@ class HabitPolicyE2E(PolicyModule):
             mass = write(new, step, belief, openable)
             known = (tracks >= 0) & (tracks < N_TRACKS)
             opened.append(new["opened"].gather(1, tracks.long().clamp(0, N_TRACKS - 1)) & known)
-            shown = outlook(new, mass, pose, reach, ENDLESS if self.training else _PATIENCE)
+            shown = outlook(new, mass, pose, reach, ENDLESS if self.training else _PATIENCE, self._kept)
             if not self.training:
                 shown.counts[:, OUTLOOK.index("used")] = 0.0
             seen_from.append(shown)

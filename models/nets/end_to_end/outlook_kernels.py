@@ -1,7 +1,12 @@
-"""Kernels that count what every pose around an agent would show, by rays over the map memory."""
+"""Kernels that count what every pose around an agent would show, by rays over the map memory.
+
+From one step to the next few cells change, so what was counted before is kept (:class:`KeptCounts`) until a cell that
+its rays may read differs. Numbers are the same as if nothing had been kept.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
@@ -28,6 +33,11 @@ _CELL_M2 = 0.0625
 #: Bits of a cell of the window, as rays read it.
 _KNOWN, _END, _AIM, _FRESH, _HOLDS, _SHUT = 1, 2, 4, 8, 16, 32
 _COUNTS = _AIM | _FRESH | _HOLDS
+#: Counts that rays make, the first of them all, and numbers of a cell that they read beside its bits.
+_BY_RAYS: Final = 8
+_N_READ: Final = 8
+#: If more cells than this differ, everything is counted anew.
+_MOST_CHANGED: Final = 400
 
 
 def _fans() -> tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.int32], NDArray[np.int32], int]:
@@ -54,10 +64,57 @@ def _fans() -> tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.int32], 
 _CELL, _AREA, _NUMBER, _SAME, _N_CELLS = _fans()
 
 
+def _cells_of_fans() -> NDArray[np.int32]:
+    """(4, _N_CELLS, 2) int32, offsets of all cells that the rays of each heading may read; the last ones repeated."""
+    fans = [np.unique(fan.reshape(-1, 2), axis=0) for fan in _CELL]
+    return np.stack([np.pad(fan, ((0, _N_CELLS - len(fan)), (0, 0)), "edge") for fan in fans])
+
+
+_READ = _cells_of_fans()
+
+
+class KeptCounts:
+    """What poses of a batch of episodes were found to show, and what their rays read there.
+
+    It changes how fast :func:`look_out` is, never what it finds: whatever maps come next, what differs from what was
+    read is counted anew. So it is no part of any state, and copies of it are empty.
+
+    Args:
+        size: cells of a side of a map.
+    """
+
+    def __init__(self, size: int) -> None:
+        self._size, self._rows = size, 0
+
+    def __deepcopy__(self, memo: Mapping[int, Any]) -> KeptCounts:
+        return KeptCounts(self._size)
+
+    def __reduce__(self) -> tuple[type[KeptCounts], tuple[int]]:
+        return KeptCounts, (self._size,)
+
+    def of(self, n: int) -> tuple[U8, F32, U8, F32, I32]:
+        """What is kept of the first ``n`` episodes, to be read and written by :func:`look_out`.
+
+        Returns:
+            Which headings of each cell are counted (n, S, S), as bits; their counts (n, S, S, 4, 8), of which memory is
+            taken where they are written; the bits (n, S, S) and numbers (n, S, S, 8) of each cell that rays read;
+            and the ranges of sight (n, 2) that it holds for.
+        """
+        if n > self._rows:
+            shape = (n, self._size, self._size)
+            self._rows, self._held, self._bits = n, np.zeros(shape, np.uint8), np.zeros(shape, np.uint8)
+            self._counts, self._read = (
+                np.empty((*shape, 4, _BY_RAYS), np.float32),
+                np.empty((*shape, _N_READ), np.float32),
+            )
+            self._sight = np.full((n, 2), -1, np.int32)
+        return self._held[:n], self._counts[:n], self._bits[:n], self._read[:n], self._sight[:n]
+
+
 @jit
-def look_out(
+def look_out(  # noqa: C901 (one loop over poses; parts of it would be called for each of them)
     flags: U8, look: U8, who: I16, visits: U8, share: F32, extent: I32, pose: I32, sight: I32, enough: U8, steps: U8,
-    cell: U8, patience: int, out: F32,
+    cell: U8, patience: int, kept: tuple[U8, F32, U8, F32, I32], out: F32,
 ) -> None:  # fmt: skip
     """Count what each pose that can be reached would show.
 
@@ -74,13 +131,16 @@ def look_out(
         steps: (B, 4, C, C) of :func:`find_ways`.
         cell: (B, C, C) of :func:`find_ways`.
         patience: a pose that the agent was in for so many steps shows nothing more.
+        kept: of :meth:`KeptCounts.of`, read and written.
         out: (B, N_OUTLOOK, 4, C, C) written, 0 where there is no way.
     """
+    held, kept_counts, bits, read, ranges = kept
     size, coarse = flags.shape[1], cell.shape[1]
     half, reach = size // 2, coarse - 1
     side = 2 * (coarse + _MOST)
     window, mass = np.empty((side, side), np.uint8), np.zeros((side, side, 4), np.float32)
     counted, asked = np.zeros(_N_CELLS, np.uint16), np.zeros(extent.shape[1], np.int32)
+    changed = np.empty((_MOST_CHANGED, 2), np.int32)
     found = np.zeros((N_OUTLOOK, 4), np.float32)
     mark = 0
     out[:] = 0.0
@@ -90,6 +150,10 @@ def look_out(
         deep_cells = _DEPTH_CELLS if shown else 0
         _lay_out(i0, j0, who[b], share[b], window, mass)
         things = (i0, j0, who[b], share[b], extent[b])
+        n_changed = _changes(things, window, mass, bits[b], read[b], changed)
+        if ranges[b, 0] != sight[b] or ranges[b, 1] != enough[b]:
+            ranges[b, 0], ranges[b, 1], n_changed = sight[b], enough[b], _MOST_CHANGED + 1
+        _forget(changed, n_changed, held[b])
         for a in range(coarse):
             for c in range(coarse):
                 if steps[b, 0, a, c] == FAR:
@@ -102,14 +166,21 @@ def look_out(
                 if not (window[u, v] | beside) & _KNOWN:
                     continue
                 for h in range(4):
-                    mark += 1
-                    if mark & 0xFFFF == 0:  # marks begin anew, and 0 is no mark
-                        counted[:] = 0
-                        mark += 1
                     if visits[b, h, i, j] >= patience:
                         found[:, h] = 0.0
-                    else:
+                        continue
+                    if not held[b, i, j] >> h & 1:
+                        mark += 1
+                        if mark & 0xFFFF == 0:  # marks begin anew, and 0 is no mark
+                            counted[:] = 0
+                            mark += 1
                         _look_from(u, v, h, (window, mass), things, sight[b], deep_cells, counted, asked, mark, found)
+                        held[b, i, j] |= 1 << h
+                        for k in range(_BY_RAYS):
+                            kept_counts[b, i, j, h, k] = found[k, h]
+                    else:
+                        for k in range(_BY_RAYS):
+                            found[k, h] = kept_counts[b, i, j, h, k]
                 _been(i, j, visits[b], found)
                 for k in range(N_OUTLOOK):
                     for h in range(4):
@@ -177,6 +248,70 @@ def _lay_out(i0: int, j0: int, who: I16, share: F32, window: U8, mass: F32) -> N
             mass[u, v, 1] = beside if fresh else np.float32(0.0)
             mass[u, v, 2] = inside if fresh else np.float32(0.0)
             mass[u, v, 3] = np.float32(0.0) if fresh else on + beside + inside
+
+
+@leaf
+def _changes(things: Any, window: U8, mass: F32, bits: U8, read: F32, changed: I32) -> int:
+    """Note which cells of a window differ from what rays read there before.
+
+    Args:
+        things: the window's corner (i, j), who, share and extent of one map.
+        window: (W, W) of :func:`_open_window`.
+        mass: (W, W, 4) of :func:`_lay_out`.
+        bits: (S, S) read and written: the window's bits when the cell was last in one.
+        read: (S, S, _N_READ) read and written: what else was read of the cell then; of cells that hold things.
+        changed: (_MOST_CHANGED, 2) written: cells of the map that differ.
+
+    Returns:
+        How many differ; no more are written than fit.
+    """
+    i0, j0, who, share, extent = things
+    size, n = bits.shape[0], 0
+    first, last = max(0, -j0), min(window.shape[1], size - j0)
+    for u in range(max(0, -i0), min(window.shape[0], size - i0)):
+        for v in range(first, last):
+            i, j = i0 + u, j0 + v
+            now = window[u, v]
+            if now == bits[i, j] and not now & _HOLDS:
+                continue
+            differs = now != bits[i, j]
+            bits[i, j] = now
+            if now & _HOLDS:
+                for k in range(4):
+                    differs |= read[i, j, k] != mass[u, v, k]
+                    read[i, j, k] = mass[u, v, k]
+                for layer in range(2):
+                    track = who[layer, i, j]
+                    behind = share[track, 3] * np.float32(extent[track]) if track >= 0 else np.float32(0.0)
+                    differs |= read[i, j, 4 + layer] != track or read[i, j, 6 + layer] != behind
+                    read[i, j, 4 + layer], read[i, j, 6 + layer] = track, behind
+            if differs:
+                if n < changed.shape[0]:
+                    changed[n, 0], changed[n, 1] = i, j
+                n += 1
+    return n
+
+
+@leaf
+def _forget(changed: I32, n: int, held: U8) -> None:
+    """Drop what is kept of poses whose rays may read a cell that changed.
+
+    Args:
+        changed: cells of :func:`_changes`.
+        n: how many; if it is more than are written, everything is dropped.
+        held: (S, S) which headings of each cell are kept, as bits.
+    """
+    size = held.shape[0]
+    if n > changed.shape[0]:
+        held[:] = 0
+        return
+    for one in range(n):
+        for h in range(4):
+            others = np.uint8(0xFF ^ 1 << h)
+            for k in range(_READ.shape[1]):
+                i, j = changed[one, 0] - _READ[h, k, 0], changed[one, 1] - _READ[h, k, 1]
+                if 0 <= i < size and 0 <= j < size:
+                    held[i, j] &= others
 
 
 @leaf

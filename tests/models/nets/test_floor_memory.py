@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 import torch
@@ -21,6 +24,7 @@ from models.nets.end_to_end.floor_memory import (
     Outlook,
     State,
     initial_maps,
+    kept_counts,
     layers,
     outlook,
     track_belief,
@@ -302,6 +306,42 @@ def test_poses_show_what_the_definition_says(pose: tuple[int, int], reach_m: flo
         assert found.counts[0, :8, :, a, c].numpy() == pytest.approx(wanted, rel=1e-4, abs=1e-5)
         checked += 1
     assert checked > 5
+
+
+def test_what_is_kept_changes_nothing_whatever_maps_come_next() -> None:
+    draw = np.random.default_rng(7)
+    state, kept = initial_maps(2, torch.device("cpu")), kept_counts()
+    mass = torch.zeros(2, N_TRACKS, 4)
+    used = 0
+    for turn in range(40):
+        where = draw.integers(HALF - 30, HALF + 30, (2, 3, 2))
+        for b, cells in enumerate(where):  # some cells of each map, not many
+            for i, j in cells:
+                state["flags"][b, i, j] = int(
+                    draw.choice([EXPLORED, EXPLORED | OPAQUE, EXPLORED | memory_kernels.TARGET])
+                )
+                state["look"][b, i, j] = int(draw.integers(256))
+                state["who"][b, int(draw.integers(2)), i, j] = int(draw.integers(-1, 9))
+        if turn % 4 == 0:
+            mass[:, int(draw.integers(9))] = torch.from_numpy(draw.random(4, np.float32))
+            state["extent"][:, :9] = torch.from_numpy(draw.integers(1, 20, 9).astype(np.int32))
+        if turn == 20:  # row by row other episodes
+            state, mass = {name: tensor.flip(0) for name, tensor in state.items()}, mass.flip(0)
+        pose = torch.tensor([[turn // 3 - 8, 2, turn % 4, 0], [5, -turn, 1, 0]])
+        reach = torch.tensor([3.0, 3.0 if turn < 30 else 2.0])
+        before = [one.copy() for one in kept.of(2)[:2]] if turn else None
+        found = outlook(state, mass, pose, reach, kept=kept)
+        assert torch.equal(found.counts, outlook(state, mass, pose, reach).counts), turn
+        used += before is not None and bool((before[0] & kept.of(2)[0]).any())
+    assert used > 30
+    pose, reach = torch.tensor([[0, 0, 0, 0]] * 2), torch.full((2,), 3.0)
+    outlook(state, mass, pose, reach, kept=kept)
+    kept.of(2)[1][:] = 7.0
+    again = outlook(state, mass, pose, reach, kept=kept)
+    assert set(again.counts[:, 0].unique().tolist()) == {0.0, 7.0}, "what is kept is what is told"
+    copied = copy.deepcopy(kept)
+    assert not copied.of(2)[0].any()
+    assert not pickle.loads(pickle.dumps(kept)).of(1)[0].any()
 
 
 def test_a_pose_that_it_was_in_for_long_shows_nothing_more() -> None:
