@@ -87,6 +87,20 @@ def test_it_begins_with_the_weights_of_another_run(learner, tmp_path, half):
         learner(type("Other", (TinyPolicy,), {"architecture": "other"})(), initial=str(tmp_path))
 
 
+def test_only_what_is_named_is_learned(learner, tmp_path):
+    found = learner(only=["choose.bias", "memory"])
+    before = {name: value.clone() for name, value in found.policy.state_dict().items()}
+    found.step()
+    changed = {name for name, value in found.policy.state_dict().items() if not torch.equal(value, before[name])}
+    assert changed == {"choose.bias", *(name for name in before if name.startswith("memory."))}
+    for name, content in (product := found.product()).items():
+        write_atomic(tmp_path / name, content)
+    write_manifest(tmp_path, product)
+    again = TinyPolicy(seed=1)
+    load_network(str(tmp_path), again)
+    assert torch.allclose(again.see[0].weight, before["see.0.weight"], atol=1e-3), "what stays as it was is kept too"
+
+
 def test_statistics_are_told_of_every_frame_and_of_no_padding(learner):
     found = learner(Counting(), n_episodes=4, batch=3)
     assert [found.step()["frames"] for _ in range(3)][-1] == found.policy.n_seen > 0
@@ -250,6 +264,8 @@ def test_a_state_of_another_network_is_refused(learner):
     [
         ({"policy": 3}, "no policy that can be trained"),
         ({"steps": 0}, r"learner\.steps=0: must be above 0"),
+        ({"only": "memory"}, r"learner\.only=memory: expected null, or a list of names"),
+        ({"only": ["chose"]}, r"learner\.only: unknown parameter or module 'chose': did you mean choose"),
         ({"batch": "all"}, r"learner\.batch=all: must be above 0 and whole"),
         ({"lr": "fast"}, r"learner\.lr=fast: must be above 0"),
         ({"average": 1.0}, r"learner\.average=1\.0: must be at least 0 and below 1"),

@@ -14,7 +14,7 @@ from tests.learning.tiny_policy import Stays, TinyPolicy, on_a_gpu, tiny_ppo_epi
 from ucon.core.errors import ConfigError, DataError
 from ucon.envs.ucon_env import UcONEnv
 from ucon.learning.episodes.collecting import EpisodeRollouts
-from ucon.learning.episodes.experience import experience_from_json, generalised_advantages
+from ucon.learning.episodes.experience import compared, experience_from_json, generalised_advantages
 from ucon.learning.imitation.feeding import _unpacked
 from ucon.learning.imitation.replaying import Replayer
 from ucon.learning.run.training_run import Plan, TrainingRun
@@ -94,6 +94,36 @@ def test_every_epoch_reads_each_episode_of_the_newest_collection_once(learner):
     assert len(found.collected) == 4
     assert not set(map(id, found.collected)) & set(map(id, before))
     assert len(found.feeder._kept) == 4
+
+
+@pytest.mark.parametrize("by", ["spl", "return"])
+def test_repetitions_of_an_episode_are_compared_with_each_other(learner, by):
+    found = learner(lasting(), rollouts={"episodes": 6, "repeats": 3, "compare": by})
+    assert [found.job(item) for item in range(6)] == [found.job(0)] * 3 + [found.job(3)] * 3
+    found._playing = found.weights_that_play()
+    made = [one for collected in found._asked_for(0) for one in collected()]
+    assert [(one.episode.id, one.level) for one in made] == [
+        (job.episode.id, job.level) for job in map(found.job, range(6))
+    ]
+    assert len({one.actions for one in made[:3]}) > 1, "they are played by other draws"
+    came = [one.spl if by == "spl" else one.gained for one in made]
+    for at, one in enumerate(compared(made, 3, by)):
+        group = range(at - at % 3, at - at % 3 + 3)
+        others = np.mean([came[k] for k in group if k != at])
+        assert one.advantage == pytest.approx(np.full(len(one.actions), came[at] - others), abs=1e-6)
+    found.step()
+    of_step = [set(one.advantage.tolist()) for one in found.collected]
+    assert {len(values) for values in of_step} == {1}
+    kept = experience_from_json([one.to_json() for one in found.collected], {e.id: e for e in found.episodes})
+    assert [one.gained for one in kept] == [one.gained for one in found.collected]
+
+
+def test_what_was_gained_is_the_sum_of_discounted_rewards(learner):
+    found = learner(lasting())
+    found.step()
+    for one, replay in found.feeder([found.collected]).__next__():
+        wanted = sum(0.99**k * float(reward) for k, reward in enumerate(replay.rewards))
+        assert one.gained == pytest.approx(wanted, abs=1e-5)
 
 
 def test_a_share_begins_near_the_end_of_the_solution(learner):
@@ -185,8 +215,9 @@ def test_experience_is_read_as_it_was_written(learner):
         (lambda row: [*row[:4], 7, *row[5:]], "cut off or not finite"),
         (lambda row: [*row[:5], "?" + row[5][1:], *row[6:]], "cut off or not finite"),
         (lambda row: [*row[:4], row[6], *row[5:]], "that cannot be"),
-        (lambda row: [*row[:8], 2.0], "that cannot be"),
-        (lambda row: [*row[:7], "yes", row[8]], "that cannot be"),
+        (lambda row: [*row[:8], 2.0, row[9]], "that cannot be"),
+        (lambda row: [*row[:9], float("nan")], "that cannot be"),
+        (lambda row: [*row[:7], "yes", *row[8:]], "that cannot be"),
         (lambda row: [*row, "09"], "trajectory of other episodes"),
         (lambda row: [*row, "0", "0"], "experience of another form"),
     ],
@@ -218,6 +249,9 @@ def _all_ones(length):
         ({"backplay": 1.1}, r"rollouts\.backplay=1\.1: must be from 0 to 1"),
         ({"backplay_steps": 0}, r"rollouts\.backplay_steps=0: must be a whole number from 1"),
         ({"temperature": 0}, r"rollouts\.temperature=0: must be above 0"),
+        ({"repeats": 0}, r"rollouts\.repeats=0: must be a whole number from 1"),
+        ({"episodes": 10, "repeats": 4}, r"rollouts\.episodes=10: not a multiple of repeats=4"),
+        ({"compare": "luck"}, r"rollouts\.compare=luck: must be spl or return"),
     ],
 )
 def test_rollouts_that_make_no_sense(options, message):

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ucon.core.errors import ConfigError, brief
-from ucon.learning.episodes.experience import Experience, generalised_advantages
+from ucon.learning.episodes.experience import COMPARE, Experience, discounted, generalised_advantages
 from ucon.learning.imitation.replaying import Replayer
 from ucon.learning.imitation.rollouts import Rollouts
 from ucon.learning.imitation.trajectories import Replay
@@ -46,10 +46,19 @@ class EpisodeRollouts(Rollouts):
     """Discount of rewards per step."""
     trace: float = 0.95
     """Lambda of the generalised advantages."""
+    repeats: int = 1
+    """Times that each episode is played. With more than one, episodes are compared with their repetitions
+    (:func:`ucon.learning.episodes.experience.compared`) and ``trace`` concerns the value's targets alone."""
+    compare: str = "spl"
+    """What repetitions are compared by: ``spl``, or ``return``, the discounted rewards."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.require_counts("epochs")
+        self.require_counts("epochs", "repeats")
+        if self.episodes % self.repeats:
+            raise ConfigError(f"learner.rollouts.episodes={self.episodes}: not a multiple of repeats={self.repeats}")
+        if self.compare not in COMPARE:
+            raise ConfigError(f"learner.rollouts.compare={brief(self.compare)}: must be {' or '.join(COMPARE)}")
         self.require_shares("discount", "trace")
         if type(self.temperature) not in (int, float) or not 0 < self.temperature <= 100:
             raise ConfigError(f"learner.rollouts.temperature={brief(self.temperature)}: must be above 0, at most 100")
@@ -103,10 +112,10 @@ class EpisodeCollector:
             values = np.array(one.values, np.float32)
             advantage = generalised_advantages(one.replay.rewards, values, given.discount, given.trace)
             log_p = np.array(chooser.log_p[number], np.float32)
-            did = one.actions
+            did, gained = one.actions, discounted(one.replay.rewards, given.discount)
             experience = Experience(
                 one.job.episode, one.job.level, did, did, log_p, advantage, advantage + values, one.success, one.spl,
-                led=one.job.led,
+                gained, led=one.job.led,
             )  # fmt: skip
             played.append((experience, one.replay))
         return played

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import binascii
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -35,11 +35,16 @@ class Experience(Trajectory):
     """(T,) float32 return that the value should have told: advantage plus the value when it was played."""
     success: bool
     spl: float
+    gained: float = 0.0
+    """Discounted rewards of the whole episode."""
 
     def to_json(self) -> list[Any]:
-        """As of a trajectory, then the arrays as base64 of little-endian float32, success and SPL; last is ``led``."""
+        """As of a trajectory, then the arrays as base64 of little-endian float32, success, SPL and what was gained.
+
+        Last is ``led``.
+        """
         plain, arrays = super().to_json(), (_text(getattr(self, name)) for name in _ARRAYS)
-        return [*plain[:_FIELDS], *arrays, self.success, self.spl, *plain[_FIELDS:]]
+        return [*plain[:_FIELDS], *arrays, self.success, self.spl, self.gained, *plain[_FIELDS:]]
 
 
 def generalised_advantages(rewards: Floats, values: Floats, discount: float, trace: float) -> Floats:
@@ -57,6 +62,38 @@ def generalised_advantages(rewards: Floats, values: Floats, discount: float, tra
         later = surprise + discount * trace * later
         found[step], after = later, float(values[step])
     return found
+
+
+def discounted(rewards: Floats, discount: float) -> float:
+    """Sum of the rewards (T,) of an episode, discounted per step."""
+    return float(rewards.astype(np.float64) @ discount ** np.arange(len(rewards)))
+
+
+def compared(experience: Sequence[Experience], repeats: int, by: str) -> list[Experience]:
+    """Experience in which all actions of an episode have one advantage: how much better it came out than when repeated.
+
+    Most of what comes of an episode is decided by where the target is: the returns of two plays of one ``val`` episode
+    by the shipped end-to-end policy correlate by .88, and its value foretells .17 of their variance. The mean of the
+    *other* plays of the same episode is a baseline that leaves the gradient unbiased (Kool, van Hoof and Welling 2019).
+
+    Args:
+        experience: ``repeats`` plays of one episode, then of the next.
+        repeats: at least 2.
+        by: a name of :data:`COMPARE`.
+    """
+    came = np.array([COMPARE[by](one) for one in experience]).reshape(-1, repeats)
+    better = (came - (came.sum(1, keepdims=True) - came) / (repeats - 1)).ravel()
+    return [
+        replace(one, advantage=np.full(len(one.actions), value, np.float32))
+        for one, value in zip(experience, better, strict=True)
+    ]
+
+
+#: What repetitions of an episode can be compared by.
+COMPARE: Final[Mapping[str, Callable[[Experience], float]]] = {
+    "spl": lambda one: one.spl,
+    "return": lambda one: one.gained,
+}
 
 
 def normalised(experience: Sequence[Experience]) -> list[Experience]:
@@ -82,20 +119,21 @@ def experience_from_json(rows: Any, episodes: Mapping[str, Episode]) -> list[Exp
     Raises:
         DataError: a row of another form, of an unknown episode, or with arrays that cannot be.
     """
-    width = _FIELDS + len(_ARRAYS) + 2
+    width = _FIELDS + len(_ARRAYS) + 3
     if not isinstance(rows, list) or not all(isinstance(row, list) and len(row) in (width, width + 1) for row in rows):
         raise DataError("state with experience of another form; resume with the run's own configuration")
     trajectories = trajectories_from_json([[*row[:_FIELDS], *row[width:]] for row in rows], episodes)
     found = []
     for one, row in zip(trajectories, rows, strict=True):
         log_p, advantage, target = (_array(text, len(one.actions)) for text in row[_FIELDS : _FIELDS + len(_ARRAYS)])
-        success, spl = row[width - 2 : width]
-        if type(success) is not bool or type(spl) is not float or not 0.0 <= spl <= 1.0 or (log_p > 0).any():
+        success, spl, gained = row[width - 3 : width]
+        sound = type(success) is bool and type(spl) is float and 0.0 <= spl <= 1.0 and type(gained) is float
+        if not sound or not np.isfinite(gained) or (log_p > 0).any():
             raise DataError(
                 f"state with experience of episode {one.episode.id} that cannot be; go on from an earlier one"
             )
         made = Experience(
-            one.episode, one.level, one.actions, one.labels, log_p, advantage, target, success, spl, led=one.led
+            one.episode, one.level, one.actions, one.labels, log_p, advantage, target, success, spl, gained, led=one.led
         )
         found.append(made)
     return found

@@ -17,7 +17,13 @@ from torch import Tensor
 from ucon.core.errors import ConfigError
 from ucon.core.rng import stream
 from ucon.learning.episodes.collecting import EpisodeCollector, EpisodePart, EpisodeRollouts
-from ucon.learning.episodes.experience import Experience, experience_from_json, normalised, with_experience
+from ucon.learning.episodes.experience import (
+    Experience,
+    compared,
+    experience_from_json,
+    normalised,
+    with_experience,
+)
 from ucon.learning.imitation.collecting_learner import CollectingLearner
 from ucon.learning.imitation.feeding import Feeder
 from ucon.learning.imitation.trajectories import Replay, Trajectory
@@ -61,6 +67,10 @@ class EpisodePPOLearner(CollectingLearner):
         """Learning steps between two collections: all its episodes ``epochs`` times."""
         return self.rollouts.epochs * -(-self.rollouts.episodes // self.batch)
 
+    def job(self, item: int) -> Job:
+        """Episode ``item``, from 0, of all that are ever collected: each is played ``repeats`` times."""
+        return super().job(item // self.rollouts.repeats)
+
     def weights_that_play(self) -> dict[str, Tensor]:
         """A copy of the present weights and buffers, on the CPU: it learns from what *they* do."""
         return {name: value.detach().cpu().clone() for name, value in self.policy.state_dict().items()}
@@ -75,8 +85,9 @@ class EpisodePPOLearner(CollectingLearner):
 
     def keep(self, made: Sequence[Experience]) -> None:
         """Learn from the newest collection alone."""
-        explained = _explained(made)
-        self.collected = list(normalised(made))
+        explained, given = _explained(made), self.rollouts
+        better = compared(made, given.repeats, given.compare) if given.repeats > 1 else made
+        self.collected = list(normalised(better))
         self._new = {
             "success_rate": float(np.mean([one.success for one in made])),
             "spl": float(np.mean([one.spl for one in made])),

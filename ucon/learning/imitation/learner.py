@@ -35,7 +35,7 @@ from ucon.learning.run.network_files import load_network, network_files, set_max
 from ucon.learning.run.option_checks import check, check_parts, text_weights
 from ucon.learning.run.options import ImitationOptions
 from ucon.learning.run.protocol import Card, Figures, State
-from ucon.learning.run.updates import Updates, require_finite
+from ucon.learning.run.updates import Updates, learn_only, require_finite
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 
@@ -95,6 +95,8 @@ class ImitationLearner:
         set_max_habits(policy, probe)
         self.feeder = self._made_feeder()
         self.policy.to(self.device)
+        if given.only is not None:
+            learn_only(policy, given.only)
         self.updates = Updates(
             policy, lr=given.lr, clip=given.clip, steps=given.steps,
             warm_up=given.warm_up, decay=given.decay, average=given.average,

@@ -102,6 +102,7 @@ class ImitationOptions(PolicyOptions):
         workers: processes that play episodes ahead; 0 plays them in this one. The result does not depend on it.
         worker_timeout_s: seconds that workers may take for the next batch; then they are replaced.
         memory_gb: memory for replays, compressed, that are kept for the next epoch.
+        only: names of parameters, or of modules that hold them, that are learned; others stay as they are. None: all.
     """
 
     lr: float = 3e-4
@@ -115,9 +116,12 @@ class ImitationOptions(PolicyOptions):
     workers: int = 0
     worker_timeout_s: float = WORKER_TIMEOUT_S
     memory_gb: float = 1.0
+    only: Sequence[str] | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.only is not None and (isinstance(self.only, str) or not self.only):
+            raise ConfigError(f"learner.only={brief(self.only)}: expected null, or a list of names, as [lstm,choose]")
         wanted = f"at least 0 and whole, at most {MOST_WORKERS}"
         check(wanted, lambda x: 0 <= x <= MOST_WORKERS, (int,), workers=self.workers)
         if self.update_every is not None:

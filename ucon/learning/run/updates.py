@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 import torch
 from torch import Tensor, nn
 
-from ucon.core.errors import DataError, DivergedError
+from ucon.core.errors import ConfigError, DataError, DivergedError, unknown_name
 from ucon.learning.run.moving_average import MovingAverage
 from ucon.learning.run.protocol import Figures
 
@@ -157,6 +157,33 @@ class Updates:
         done = min(1.0, (step - self.warm_up) / max(1, self.steps - self.warm_up))
         share = 0.5 * (1 + math.cos(math.pi * done))
         return self.lr * (0.1 + 0.9 * share)
+
+
+def learn_only(module: nn.Module, names: Sequence[str]) -> None:
+    """Leave only some parameters of a module trainable.
+
+    Args:
+        module: whose other parameters are frozen.
+        names: of parameters, or of modules that hold them.
+
+    Raises:
+        ConfigError: a name that no parameter has or begins with.
+    """
+    held = {name: set(_prefixes(name)) for name, _ in module.named_parameters()}
+    known = set().union(*held.values())
+    for wanted in map(str, names):
+        if wanted not in known:
+            shown = (name for name in known if name.count(".") < 2)
+            raise ConfigError(f"learner.only: {unknown_name('parameter or module', wanted, shown)}")
+    for name, value in module.named_parameters():
+        value.requires_grad_(value.requires_grad and not held[name].isdisjoint(names))
+
+
+def _prefixes(name: str) -> Iterator[str]:
+    """Names of a parameter and of all modules that hold it."""
+    while name:
+        yield name
+        name = name.rpartition(".")[0]
 
 
 def _require_sound(tensors: Mapping[str, Tensor]) -> None:
