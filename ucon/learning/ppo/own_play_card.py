@@ -29,7 +29,8 @@ def own_play_card(
     )
     return Card(
         title,
-        f"`{name}`, {size:,} parameters. {learned} Validation episodes chose the state; `test` was not touched.\n\n"
+        f"`{name}`, {size:,} trained parameters. {learned} Validation episodes chose the state; "
+        "`test` was not touched.\n\n"
         f"Use: `python eval.py agent={name} agent.checkpoint=RUN`.\n\n"
         "It learned in simulated homes what a success is worth there; in homes unlike these it was not measured.",
         dataset,
