@@ -162,7 +162,7 @@ ENDLESS: Final = 256
 
 
 def kept_counts() -> KeptCounts:
-    """An empty memory of what poses were found to show, for :func:`outlook`."""
+    """An empty cache for :func:`outlook`."""
     return KeptCounts(SIZE)
 
 
@@ -177,7 +177,7 @@ def outlook(
         pose: (B, 4) int.
         reach_m: (B,) from how far away the target would be seen, metres.
         patience: a pose that the agent was in for so many steps shows nothing more.
-        kept: what was counted before, which makes it faster where row by row episodes go on; None: nothing.
+        kept: cache of counts; it is faster where each row goes on with its episode. None: no cache.
     """
     n = len(pose)
     share = (mass / state["extent"].clamp(min=1)[..., None]).numpy()
@@ -189,22 +189,8 @@ def outlook(
     cell = np.empty((n, BLOCKS, BLOCKS), np.uint8)
     find_ways(flags, at, REACH, steps, first, cell)
     counts = np.empty((n, N_OUTLOOK, 4, BLOCKS, BLOCKS), np.float32)
-    look_out(
-        flags,
-        look,
-        who,
-        visits,
-        share,
-        extent,
-        at,
-        sight,
-        enough,
-        steps,
-        cell,
-        patience,
-        (kept or kept_counts()).of(n),
-        counts,
-    )
+    cached = (kept or kept_counts()).of(n)
+    look_out(flags, look, who, visits, share, extent, at, sight, enough, steps, cell, patience, cached, counts)
     totals = np.empty((n, len(TOTALS)), np.float32)
     measure_maps(flags, look, who, share, enough, totals)
     found: list[Any] = [counts, steps, first, cell, totals, _beside(flags, visits, at)]

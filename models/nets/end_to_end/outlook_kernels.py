@@ -74,7 +74,7 @@ _READ = _cells_of_fans()
 
 
 class KeptCounts:
-    """What poses of a batch of episodes were found to show, and what their rays read there.
+    """Cache of :func:`look_out`: counts of the poses of a batch of episodes, and the cells that their rays read.
 
     It changes how fast :func:`look_out` is, never what it finds: whatever maps come next, what differs from what was
     read is counted anew. So it is no part of any state, and copies of it are empty.
@@ -93,7 +93,7 @@ class KeptCounts:
         return KeptCounts, (self._size,)
 
     def of(self, n: int) -> tuple[U8, F32, U8, F32, I32]:
-        """What is kept of the first ``n`` episodes, to be read and written by :func:`look_out`.
+        """Arrays of the first ``n`` episodes, read and written by :func:`look_out`.
 
         Returns:
             Which headings of each cell are counted (n, S, S), as bits; their counts (n, S, S, 4, 8), of which memory is
@@ -103,10 +103,8 @@ class KeptCounts:
         if n > self._rows:
             shape = (n, self._size, self._size)
             self._rows, self._held, self._bits = n, np.zeros(shape, np.uint8), np.zeros(shape, np.uint8)
-            self._counts, self._read = (
-                np.empty((*shape, 4, _BY_RAYS), np.float32),
-                np.empty((*shape, _N_READ), np.float32),
-            )
+            self._counts = np.empty((*shape, 4, _BY_RAYS), np.float32)
+            self._read = np.empty((*shape, _N_READ), np.float32)
             self._sight = np.full((n, 2), -1, np.int32)
         return self._held[:n], self._counts[:n], self._bits[:n], self._read[:n], self._sight[:n]
 

@@ -50,7 +50,7 @@ class EpisodeRollouts(Rollouts):
     """Times that each episode is played. With more than one, episodes are compared with their repetitions
     (:func:`ucon.learning.episodes.experience.compared`) and ``trace`` concerns the value's targets alone."""
     compare: str = "spl"
-    """What repetitions are compared by: ``spl``, or ``return``, the discounted rewards."""
+    """Figure by which repetitions are compared: ``spl``, or ``return``, the discounted rewards."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
