@@ -49,7 +49,7 @@ def evaluate_and_report(cfg: DictConfig, out: Path, *, sweep: bool) -> None:
         sweep: whether this run is part of a sweep.
 
     Raises:
-        UconError: an error that the user can mend.
+        UconError: an error that the user can fix.
     """
     config: dict[str, Any] = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)  # type: ignore[assignment]
     run = Evaluation(config, out)

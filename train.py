@@ -68,7 +68,7 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
         swept: folder of this run in a sweep; None: ``out`` of the configuration.
 
     Raises:
-        UconError: an error that the user can mend.
+        UconError: an error that the user can fix.
     """
     chosen = chosen_run(cfg, overrides, swept)
     config: dict[str, Any] = chosen.config
@@ -94,7 +94,7 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
 
 def _stopped(chosen: ChosenRun, stop: Interrupted) -> str:
     """The line about a run that a signal stopped."""
-    then = "; what was begun after it is done again" if stop.abandoned else ""
+    then = "; work begun after it will be repeated" if stop.abandoned else ""
     return f"stopped after step {stop.step}, saved{then}; go on with resume={chosen.folder}"
 
 

@@ -45,7 +45,7 @@ COMMANDS = {
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command; its exit code is 0 only when all is well, 2 for errors that the user can mend."""
+    """Run a command; its exit code is 0 only when all is well, 2 for errors that the user can fix."""
     arguments = list(sys.argv[1:] if argv is None else argv)
     parser = Parser(prog="ucon", description="User-centric object navigation.")
     parser.add_argument("--version", action="version", version=f"ucon {__version__}")

@@ -137,4 +137,4 @@ def test_a_book_of_ones_own_is_placed_where_a_home_can_hold_it(
 def test_sentences_that_say_no_place_are_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["try", "--object", "mug", "--habit", "I like the sea.", "--no-video", "--out", str(tmp_path / "own")]
     assert main(words) == 0
-    assert "warning: your sentences hardly say where; give --place" in capsys.readouterr().err
+    assert "warning: your sentences hardly say where it is; give --place" in capsys.readouterr().err

@@ -75,9 +75,13 @@ def test_the_table_shows_both_ends_of_the_intervals() -> None:
 @pytest.mark.parametrize(
     ("n", "ends", "said"),
     [
-        (6, [0.61, 1.0], "6 episodes say next to nothing: SR may be anything from 61 to 100 %"),
-        (50, [0.56, 0.82], "50 episodes know SR to about 13 points up or down, those of episodes=test to 3"),
-        (1000, [0.8, 0.85], "1000 episodes know SR to about 2 points up or down"),
+        (6, [0.61, 1.0], "6 episodes are too few to tell: SR may be anywhere from 61 to 100 %"),
+        (
+            50,
+            [0.56, 0.82],
+            "with 50 episodes SR is uncertain by about ±13 points, with episodes=test by ±3",
+        ),
+        (1000, [0.8, 0.85], "with 1000 episodes SR is uncertain by about ±2 points"),
     ],
 )
 def test_what_so_many_episodes_can_show(n: int, ends: list[float], said: str) -> None:

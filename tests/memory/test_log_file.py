@@ -1,4 +1,4 @@
-"""A memory as a file: written, read, mended by hand, refused where it cannot be."""
+"""A memory as a file: written, read, corrected by hand, refused where it cannot be."""
 
 import json
 
@@ -123,7 +123,7 @@ def test_what_cannot_be_is_refused_in_one_line(log, tmp_path, edit, said):
 @pytest.mark.parametrize("text", ["", "[1]", "{", '{"format": NaN}'])
 def test_a_cut_file_is_refused(tmp_path, text):
     (tmp_path / "cut.json").write_text(text)
-    with pytest.raises(DataError, match="mend the file"):
+    with pytest.raises(DataError, match="fix the file"):
         load_log(tmp_path / "cut.json", HOME)
 
 

@@ -1,6 +1,6 @@
 """Mutation testing: ``make mutants``, or ``python -m tests.mutants --help``.
 
-A seeded sample of mutations of the seven parts is tried by cosmic-ray, one after the other, in copies of the working
+A seeded sample of mutations of the nine parts is tried by cosmic-ray, one after the other, in copies of the working
 tree, each against the tests that run its line. The session is kept: interrupted, it goes on where it was; survivors
 are tried again, since tests may have been written meanwhile. Ends with 1 where too few are killed.
 """

@@ -157,7 +157,7 @@ class _LastingCollector:
             except LimitReached:
                 lost = self._late()
             self.shutdown()
-            sys.stderr.write(f"warning: {lost}; the workers are replaced, and the collection is made again\n")
+            sys.stderr.write(f"warning: {lost}; the workers are replaced and the collection is repeated\n")
         raise LearnerWorkerError(
             f"{lost}, {TRIES} times in a row; what is saved is kept: resume=RUN goes on, collector.worker_timeout_s "
             "gives workers more time"

@@ -241,7 +241,7 @@ class Crew:
             raise EpisodeError(text) if hangs else WorkerError(text)
         if self._lost_in_a_row > TRIES * self._size:
             raise WorkerError(f"{self._lost_in_a_row} workers in a row were lost; the last one, {member}, {why}")
-        sys.stderr.write(f"warning: {member} {why}; it is ended, and what it had left is given to others\n")
+        sys.stderr.write(f"warning: {member} {why}; it is stopped, and its remaining episodes go to other workers\n")
         self._waiting.extendleft(reversed(member.left))
 
     def _kill(self, member: _Member) -> None:

@@ -60,4 +60,4 @@ def _introduction(episode: Episode) -> str:
     name = entry.category.replace("_", " ")
     said = "".join(f'  "{habit.text}"\n' for habit in entry.habits if index in habit.supports)
     what = f"One search: the {name} in {episode.scene}, kept {spoken_place(place.relation, place.anchor)}."
-    return f"{what}\nOf {n} habits these say so:\n{said}"
+    return f"{what}\nOf {n} habits these say where it is:\n{said}"

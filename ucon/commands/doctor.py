@@ -67,7 +67,7 @@ def run(args: argparse.Namespace) -> int:
     for f in findings:
         print(f"{marks[f.status]}  {f.what:<18} {f.found}" + (f"\n      -> {f.remedy}" if f.remedy else ""))
     bad = sum(f.status == "bad" for f in findings)
-    print("all is well" if not bad else f"{bad} thing{'s' if bad > 1 else ''} to mend")
+    print("all is well" if not bad else f"{bad} thing{'s' if bad > 1 else ''} to fix")
     return 1 if bad else 0
 
 

@@ -77,14 +77,14 @@ def run(args: argparse.Namespace) -> int:
     n_habits = sum(len(dataset.entries[dataset.entry_number[entry]].habits) for entry in episode.entries)
     print(f"{name} in {args.scene}: kept {spoken_place(place.relation, place.anchor)}{read}")
     if not wish.place and chance < _UNSURE:
-        print("warning: your sentences hardly say where; give --place, such as --place nextto:laptop", file=sys.stderr)
+        print("warning: your sentences hardly say where it is; give --place, as --place nextto:laptop", file=sys.stderr)
     others = n_habits - len(args.habit)
     print(f"{len(args.habit)} of your sentences among {others} about other things and people of this home")
     for line in _given_lines(args.habit, searches[-1]):
         print(line)
     print()
     print_searches(searches)
-    print(f"\nOne search says little: another --seed starts elsewhere, among other things. All of it: {out}")
+    print(f"\nOne search proves little; another --seed starts elsewhere, among other things. All files: {out}")
     return 0
 
 

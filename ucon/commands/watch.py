@@ -130,7 +130,7 @@ def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
         print(f"not found: {lost}")
     print("\n".join(str(path) for path in sorted(args.out.glob(f"{number:03d}_*"))))
     if (played.record.actions, played.record.spl) != (record.actions, record.spl):
-        sys.stderr.write("warning: it came out otherwise than it was kept: another code, or an agent that draws\n")
+        sys.stderr.write("warning: this search differs from the recorded one: other code, or an agent that samples\n")
         return 1
     return 0
 

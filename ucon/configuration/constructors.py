@@ -103,7 +103,7 @@ def places(configs: Path = CONFIGS) -> PermittedConstructors:
         try:
             content = yaml.safe_load(text)
         except yaml.YAMLError:
-            raise DataError(f"{file}: not YAML; mend it") from None
+            raise DataError(f"{file}: not YAML; fix it") from None
         if isinstance(content, dict):
             for place, source in _placed(content.pop("defaults", [])):
                 taken[place].add(source)

@@ -256,7 +256,7 @@ def read_contexts(path: Path) -> dict[str, Condition]:
     for number, line in enumerate(lines, 1):
         where = f"{path}:{number}"
         if len(line) > MAX_LINE or not is_shown(line):
-            raise DataError(f"{where}: expected plain text of at most {MAX_LINE} characters; mend the line")
+            raise DataError(f"{where}: expected plain text of at most {MAX_LINE} characters; fix the line")
         if not line.strip() or line.startswith("#"):
             continue
         text, equals, conditions = line.partition(" = ")

@@ -158,7 +158,7 @@ def _check(path: Path, entries: tuple[Entry, ...], categories: Collection[str] |
         faults = _faults(entry, categories, anchors)
         fault = "another entry has this id" if entry.id in seen else next(filter(None, faults), None)
         if fault is not None:
-            raise DataError(f"{path}:{number}: entry '{brief(entry.id)}': {fault}; mend its text and build it anew")
+            raise DataError(f"{path}:{number}: entry '{brief(entry.id)}': {fault}; fix its text and build it anew")
         seen.add(entry.id)
 
 

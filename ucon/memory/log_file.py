@@ -1,4 +1,4 @@
-"""A memory as a file: JSON that a person can read and mend, checked when it is read.
+"""A memory as a file: JSON that a person can read and correct, checked when it is read.
 
 Places are points in metres in the frame of the dock (x ahead, y to the left, z up), with the relation and the anchor by
 which the thing stands there, where these are known. Where the detector errs, sizes are the sides of what was seen at
@@ -29,7 +29,7 @@ FORMAT: Final = 2
 #: Largest file, bytes; most entries of a list (change points are found in the square of that), most days, farthest
 #: place in metres.
 _MAX_BYTES, _MOST, _MOST_DAYS, _FARTHEST_M = 16 * 2**20, 2_000, 10_000, 100.0
-_REMEDY = "mend the file, or begin without it"
+_REMEDY = "fix the file, or begin without it"
 
 
 def save_log(log: SightingLog, path: Path, home: str) -> None:

@@ -19,7 +19,7 @@ from ucon.configuration.help_page import help_page
 from ucon.configuration.near_options import unknown_option
 from ucon.core.errors import UconError, unknown_name
 
-#: Exit codes: of errors that the user can mend, and of Ctrl-C and SIGTERM (the shell's codes).
+#: Exit codes: of errors that the user can fix, and of Ctrl-C and SIGTERM (the shell's codes).
 USER_ERROR, INTERRUPTED, TERMINATED = 2, 130, 143
 #: Error numbers that mean a problem of the disk, not a bug.
 _OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO)
@@ -41,7 +41,7 @@ def run_entry(main: Callable[[], Any], config_name: str) -> None:
     """Run a Hydra main, with errors that occur before it begins as one line; prints the help page for ``--help``.
 
     Before it begins, Hydra composes the configuration and makes the folder ``out``; errors there are the user's to
-    mend.
+    fix.
 
     Args:
         main: decorated by Hydra; uses :func:`one_line_errors` inside.
@@ -77,7 +77,7 @@ def run_entry(main: Callable[[], Any], config_name: str) -> None:
 
 @contextmanager
 def one_line_errors(config_name: str, swept: Path | None = None) -> Iterator[None]:
-    """Context manager within a Hydra main: errors that a user can mend end the program in one line, with exit code 2.
+    """Context manager within a Hydra main: errors that a user can fix end the program in one line, with exit code 2.
 
     Ending by SystemExit keeps Hydra from printing lines of its own. Bugs keep their traceback.
 
@@ -101,7 +101,7 @@ def one_line_errors(config_name: str, swept: Path | None = None) -> Iterator[Non
             raise
         where = error.filename2 or error.filename or "cannot write"
         _end(
-            f"{where}: {error.strerror}; make room or mend permissions, {_what_is_kept(config_name)}",
+            f"{where}: {error.strerror}; make room or fix permissions, {_what_is_kept(config_name)}",
             USER_ERROR,
         )
     except KeyboardInterrupt as stop:

@@ -170,7 +170,10 @@ class Evaluation:
             def on_played(again: PlayedEpisode) -> None:
                 progress.add(again)
                 if again.record != records[again.index]:
-                    print(f"warning: {again.record.episode} came out otherwise on its film", file=sys.stderr)
+                    print(
+                        f"warning: {again.record.episode} went differently on its film",
+                        file=sys.stderr,
+                    )
 
             evaluate(
                 replace(self.spec, films=self.out / "pictures"),

@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--model", required=True, help="name of the model as the server knows it")
     parser.add_argument("--api-key-env", metavar="NAME", default="", help="environment variable that holds the key")
     parser.add_argument("--kind", help="office, shop, restaurant or garden; default: any home")
-    parser.add_argument("--rounds", type=int, default=3, help="how often an entry may be mended (default 3)")
+    parser.add_argument("--rounds", type=int, default=3, help="how often an entry may be corrected (default 3)")
     parser.add_argument("--seed", type=int, default=0, help="another seed asks for other entries")
     parser.add_argument("--temperature", type=float, default=0.7, help="of the sampling (default 0.7)")
     parser.add_argument("--max-tokens", type=int, default=4096, help="longest answer (default 4096)")

@@ -94,7 +94,7 @@ def parse_marked(text: str, name: str) -> Marked:
         mark = getattr(error, "problem_mark", None)
         line = mark.line + 1 if mark else text.count("\n", 0, getattr(error, "position", 0)) + 1
         why = getattr(error, "problem", None) or getattr(error, "reason", None) or "it cannot be read"
-        raise DataError(f"{name}:{line}: not YAML ({brief(str(why))}); mend this line or the one before") from None
+        raise DataError(f"{name}:{line}: not YAML ({brief(str(why))}); fix this line or the one before") from None
 
 
 def marked(value: Any, where: str) -> Marked:

@@ -69,10 +69,10 @@ class Edits(Shared):
         seen: set[tuple[str, str]] = set()
         for number, line in enumerate(read_plain(Path(path), _MOST_BYTES).splitlines(), 1):
             at = f"{where}:{number}"
-            edit = read_as(Edit, parse_line(line, at, f"{_FORM}; mend the line"), at, "an edit", remedy="mend the line")
+            edit = read_as(Edit, parse_line(line, at, f"{_FORM}; fix the line"), at, "an edit", remedy="fix the line")
             for text in (edit.episode, edit.habit, *(() if edit.instead is None else (edit.instead,))):
                 if not text.strip() or len(text) > _MOST_CHARACTERS or not is_shown(text):
-                    raise DataError(f"{at}: expected plain text of 1 to {_MOST_CHARACTERS} characters; mend the line")
+                    raise DataError(f"{at}: expected plain text of 1 to {_MOST_CHARACTERS} characters; fix the line")
             if (edit.episode, edit.habit) in seen:
                 raise DataError(f"{at}: a second edit of one sentence of {brief(edit.episode)}; keep one")
             seen.add((edit.episode, edit.habit))

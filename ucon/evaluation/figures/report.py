@@ -172,11 +172,11 @@ def precision_line(figures: dict[str, Any]) -> str:
     low, high = figures["success_rate_ci95"]
     n, half = figures["n"], 50 * (high - low)
     if n < _FEW:
-        said = "episodes say" if n > 1 else "episode says"
-        return f"{n} {said} next to nothing: SR may be anything from {100 * low:.0f} to {100 * high:.0f} %"
+        what = "episodes are" if n > 1 else "episode is"
+        return f"{n} {what} too few to tell: SR may be anywhere from {100 * low:.0f} to {100 * high:.0f} %"
     better = round((_MANY / n) ** 0.5)
-    more = f", those of episodes=test to {half / better:.0f}" if better > 1 else ""
-    return f"{n} episodes know SR to about {half:.0f} points up or down{more}"
+    more = f", with episodes=test by ±{half / better:.0f}" if better > 1 else ""
+    return f"with {n} episodes SR is uncertain by about ±{half:.0f} points{more}"
 
 
 def failure_line(figures: dict[str, Any]) -> str:

@@ -187,7 +187,7 @@ class WorkerPool:
         """Start a new process for the rest of a worker's share; nothing where only its last message was missing."""
         name = worker.process.name
         if worker.left:
-            sys.stderr.write(f"warning: {name} {how}, and another one plays it again\n")
+            sys.stderr.write(f"warning: {name} {how}, so another worker plays that episode again\n")
             self._start(name, worker.left)
 
 

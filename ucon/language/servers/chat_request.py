@@ -205,7 +205,7 @@ class ChatRequest:
             text = f"{head}{unusable} (HTTP {outcome.status}), {count}; try another model, seed or max_tokens"
             return AnswerError(text, **facts)  # type: ignore[arg-type]
         said = refusal(outcome.body, client.key())
-        remedy = _REMEDY.get(outcome.status or 0, "see what the server says and mend the request")
+        remedy = _REMEDY.get(outcome.status or 0, "see what the server says and fix the request")
         if _passing(outcome):
             remedy = "see that the server runs and is not overloaded, or raise timeout_s, attempts or max_wait_s"
         elif outcome.status is None:

@@ -329,7 +329,7 @@ class TrainingRun:
             return ""
         more = "".join(f", after {one.at} extended to {one.steps}" for one in self.plan.extended)
         if self.rescheduled:
-            then = "since then its learning rate is that of the longer schedule, which is not how such a run begins"
+            then = "from there its learning rate follows the longer schedule, unlike in a run of that length"
         else:
             then = "no schedule depends on their number"
         return f"planned for {self.plan.steps} steps{more}; {then}"

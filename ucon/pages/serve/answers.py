@@ -69,7 +69,7 @@ async def _answered(handler: Handler, words: Mapping[str, Any]) -> Response:
         return _error(" ".join(str(error).split()), 400)
     except OSError as error:
         where = error.filename2 or error.filename or "the disk"
-        return _error(f"{where}: {error.strerror}; make room or mend permissions, and try again", 500)
+        return _error(f"{where}: {error.strerror}; make room or fix permissions, and try again", 500)
     return found if isinstance(found, Response) else JSONResponse(found)
 
 

@@ -87,7 +87,7 @@ class Journal:
             finally:
                 os.close(handle)
         except OSError as error:
-            raise DataError(f"{self._path}: {error.strerror}; make room or mend permissions, then go on") from None
+            raise DataError(f"{self._path}: {error.strerror}; make room or fix permissions, then go on") from None
         known.append(action)
 
 
