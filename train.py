@@ -12,8 +12,8 @@
 
 Writes config.yaml, metrics.jsonl, learning_curve.png (where matplotlib is installed), checkpoints/, model/,
 MODEL_CARD.md, summary.json and seconds.json to ``out=``.
-Ctrl-C and SIGTERM save and end. ``resume=`` goes on, to the same bytes that an uninterrupted run would have written;
-with more ``training.steps`` it goes on beyond the planned end. ``learner.initial=`` starts a new run from the weights
+Ctrl-C and SIGTERM save and end. ``resume=`` continues, to the same bytes that an uninterrupted run would have written;
+with more ``training.steps`` it continues beyond the planned end. ``learner.initial=`` starts a new run from the weights
 of another.
 """
 
@@ -94,8 +94,8 @@ def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None =
 
 def _stopped(chosen: ChosenRun, stop: Interrupted) -> str:
     """The line about a run that a signal stopped."""
-    then = "; work begun after it will be repeated" if stop.abandoned else ""
-    return f"stopped after step {stop.step}, saved{then}; go on with resume={chosen.folder}"
+    then = "; work started after it will be repeated" if stop.abandoned else ""
+    return f"stopped after step {stop.step}, saved{then}; continue with resume={chosen.folder}"
 
 
 def _trained(

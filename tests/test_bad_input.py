@@ -60,7 +60,7 @@ def whole(data: dict[str, Any]) -> dict[str, Any]:
 IN_THE_FILE = {
     "category": (put(target, 0, "coffee_cupp"), "did you mean coffee_cup"),
     "position": (put(target, 1, ["a", 0, 0]), "expected x, y, z in metres"),
-    "nowhere": (put(target, 1, [float("nan"), 0, 0]), "NaN, expected numbers that are finite"),
+    "nowhere": (put(target, 1, [float("nan"), 0, 0]), "NaN, expected finite numbers"),
     "quaternion": (put(target, 2, [0, 0, 0, 2]), "expected a unit quaternion"),
     "relation": (put(target, 4, "above"), "expected one of"),
     "anchor": (put(target, 5, "table"), "expected a whole number"),
@@ -79,7 +79,7 @@ IN_THE_FILE = {
 
 IN_THE_HOME = {
     "scene": (put(whole, "scene", "Rs_imt"), "did you mean Rs_int"),
-    "other home": (put(whole, "scene", "Ihlen_0_int"), "make the episodes anew"),
+    "other home": (put(whole, "scene", "Ihlen_0_int"), "make the episodes again"),
     "start": (put(whole, "start", [9999, 0, 0]), r"node \(9999, 0\), expected below"),
     "start in a wall": (put(whole, "start", [0, 0, 0]), "expected a free node of Rs_int"),
     "anchor": (put(target, 5, 99999), "anchor of object .* 99999, expected an instance below"),

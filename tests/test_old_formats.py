@@ -40,7 +40,7 @@ def test_a_set_as_it_is_shipped(name: str, load, what: str, tmp_path: Path) -> N
     path = tmp_path / "old.jsonl.xz"
     path.write_bytes(lzma.compress("".join(f"{line}\n" for line in lines).encode()))
     with pytest.raises(
-        EpisodeError, match=rf"old\.jsonl\.xz:2: {what} format 0, expected \d+; make it anew$"
+        EpisodeError, match=rf"old\.jsonl\.xz:2: {what} format 0, expected \d+; make it again$"
     ) as caught:
         load(path)
     assert "\n" not in str(caught.value)
@@ -55,6 +55,6 @@ def test_a_checkpoint(alone: bool, tmp_path: Path) -> None:
     folder = checkpoints.all()[-1]
     (folder / VALUES).write_text(json.dumps(json.loads((folder / VALUES).read_text()) | {"format": FORMAT + 1}))
     write_manifest(folder, [TENSORS, VALUES])
-    hint = "there is no other one, start the run anew$" if alone else r"resume=.*step_00000001$"
+    hint = "there is no other one, start a new run$" if alone else r"resume=.*step_00000001$"
     with pytest.raises(CheckpointError, match=rf"format {FORMAT + 1}, this version reads {FORMAT}; .*{hint}"):
         checkpoints.load()

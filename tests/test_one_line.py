@@ -36,7 +36,7 @@ OF_EVAL = [
     ("pictures=-1", f"pictures=-1: {WHOLE}"),
     ("episodes=-1", f"episodes=-1: {TEXT}"),
     ("episodes=[]", f"episodes=[]: {TEXT}"),
-    (f"episodes={LONG}", f"{TEXT} of one line, names in it of at most 255 bytes"),
+    (f"episodes={LONG}", f"{TEXT} of one line, with file names of at most 255 bytes"),
     ("progress=7", f"progress=7: {SWITCH}"),
     ("batch=x", "batch=x: expected a whole number from 1 up"),
     ("batch=true", "batch=True: expected a whole number from 1 up"),
@@ -61,7 +61,7 @@ OF_TRAIN = [
     ("training=3", "training"),
     ("training.keep=x", "training.keep=x: expected a whole number from 1 up"),
     ("learner.own=no", "unknown option 'learner.own'"),
-    (f"learner.initial={LONG}", "names in it of at most 255 bytes"),
+    (f"learner.initial={LONG}", "file names of at most 255 bytes"),
 ]
 
 

@@ -88,7 +88,7 @@ def test_a_signal_ends_a_command_in_time_with_its_code_and_it_goes_on(
     assert took < MOST_S, told
     last = told.strip().splitlines()[-1]
     if command is TRAIN:
-        assert f"go on with resume={out}" in last
+        assert f"continue with resume={out}" in last
         finish("train.py", f"resume={out}")
     else:
         assert last.startswith("error: interrupted; " if number == signal.SIGINT else "error: terminated; ")

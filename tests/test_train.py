@@ -50,7 +50,10 @@ def test_mistakes_end_in_one_line(tmp_path):
         ("agent=frontier",): "or one that has: habit_policy, ",
         ("agent=frontier", "learner=imitation"): "no policy that could be trained",
         ("agent=vtn", "learner=retriever"): "trains no policy; give learner=imitation",
-        ("agent=vtn", f"agent.checkpoint={tmp_path}"): "agent.checkpoint is of playing; give learner.initial=FOLDER",
+        (
+            "agent=vtn",
+            f"agent.checkpoint={tmp_path}",
+        ): "agent.checkpoint is for playing only; give learner.initial=FOLDER",
         (f"learner.initial={tmp_path}", run): "no trained weights there",
         ("agent=vtn", "learner=dagger", "learner.device=cuda:9"): "torch sees no such GPU",
         (f"resume={broken}",): "not YAML",
@@ -204,7 +207,7 @@ def test_sigterm_saves_and_resume_gives_the_same_bytes(tmp_path):
     process.send_signal(signal.SIGTERM)
     _, told = process.communicate(timeout=120)
     assert process.returncode == 128 + signal.SIGTERM
-    assert f"go on with resume={parts}" in told
+    assert f"continue with resume={parts}" in told
     result = train(f"resume={parts}", "progress=false")
     assert result.returncode == 0, result.stderr[-2000:]
     for name in ("metrics.jsonl", "model/retriever.safetensors"):
@@ -216,6 +219,6 @@ def test_sigterm_saves_and_resume_gives_the_same_bytes(tmp_path):
     assert "planned for 4 steps, after 4 extended to 6; since then its learning rate" in longer.stderr
     assert json.loads((parts / "summary.json").read_text())["extended"] == [{"at": 4, "steps": 6}]
     assert OmegaConf.load(parts / "config.yaml").training.extended == [{"at": 4, "steps": 6}]
-    assert "6 are done; give more" in error_line(train(f"resume={parts}", "progress=false", "training.steps=6"))
+    assert "6 steps are done; give more" in error_line(train(f"resume={parts}", "progress=false", "training.steps=6"))
     begun = train(*SMALL, "training.steps=1", f"learner.initial={parts}", f"out={tmp_path / 'begun'}")
     assert begun.returncode == 0, begun.stderr[-2000:]

@@ -19,25 +19,25 @@ from ucon.core.errors import UconError, unknown_name
 #: ``add_arguments`` and ``run``.
 COMMANDS = {
     "doctor": "check this machine and this installation, and say what to do",
-    "info": "the seven actions; of an episode, whose home it is and what is searched there",
+    "info": "show the seven actions, or the home, household and target of an episode",
     "bench": "measure renderer and environment speed",
-    "demo": "one search without and with habits, filmed, and the sentence that makes the difference",
-    "try": "search your own object by your own habits in a home, without and with them",
-    "home": "begin a home of your own as a file, and say what is built of it",
+    "demo": "film one search without and with habits, and show the sentence that makes the difference",
+    "try": "search for your own object in a home, without and with your own habits",
+    "home": "start a home of your own as a file, and show what is built from it",
     "report": "write one HTML file with the tables of runs and every episode: map, pictures, beliefs, decisions",
     "compare": "paired differences with 95 % intervals between runs of eval.py",
     "verify": "recompute the figures of finished runs from their records, and check their checksums",
     "replay": "play finished runs again, such as those of results/, and say whether their numbers come out the same",
     "watch": "film an episode of a finished run, or list its episodes and how they ended",
-    "serve": "pages in the browser, on this machine alone: runs, homes, habits, play, study",
-    "cases": "say which habits were causes, by playing episodes again without them",
+    "serve": "open pages in the browser, on this machine only: runs, homes, habits, play, study",
+    "cases": "find the habits that made a search better or worse, by playing it again without them",
     "catalogue": "print the names of the object catalogue, or draw it",
     "detector": "fit the errors of a detector on training homes, and show them",
     "scenes": "list and draw the homes",
     "habits": "import a habit dataset, or print a dataset's statistics",
     "episodes": "make or verify fixed episode sets",
     "lives": "make, list or verify sets of lives: days in a home whose people use their things",
-    "check-env": "check that an environment, or a wrapper of one of ours, keeps what the task promises",
+    "check-env": "check that an environment, or a wrapper around one of ours, keeps the task's interface and rules",
     "models": "download a language model once, check it, and convert it",
     "data": "fit, measure and ship the weights and tables that come with the package",
     "pack": "write episode sets and their compiled homes, for machines without PyBullet",
@@ -71,7 +71,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 0  # the reader (head, less) has seen enough
     except OSError as error:
         where = error.filename2 or error.filename or args.command
-        return _error(f"{where}: {error.strerror or error}; check the path, its permissions and the room on the disk")
+        return _error(f"{where}: {error.strerror or error}; check the path, its permissions and the free disk space")
     except KeyboardInterrupt:
         return _error("interrupted", 130)
 

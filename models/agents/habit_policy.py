@@ -248,7 +248,7 @@ class HabitPolicyAgent:
         """Row of the highest logit (V,), or a sampled one."""
         if np.isnan(logits).any():
             step = search.searcher.map.step
-            raise DataError(f"agent {self.name}: scores that are no numbers at step {step}; train it anew")
+            raise DataError(f"agent {self.name}: scores are NaN at step {step}; train it again")
         if not self._sample:
             return int(logits.argmax())
         weights = np.exp(logits - logits.max())

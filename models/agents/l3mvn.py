@@ -7,9 +7,8 @@ below chance. The target is approached as soon as a pixel of it is mapped.
 
 Differences from the paper and its code, and their reasons:
 - Labels are the target and 19 other categories drawn once from the catalogue; L3MVN has its six targets. With hundreds
-of
-  targets there is no fixed head to train, so this is the zero-shot form. Its thresholds (0.3 and 0.1 of six labels) are
-  scaled by the number of labels.
+  of targets there is no fixed head to train, so this is the zero-shot form. Its thresholds (0.3 and 0.1 of six labels)
+  are scaled by the number of labels.
 - Habits precede the sentence, as many as fit, since there is no prompt.
 - Walking is by the planner that all agents share. A choice is due on arrival, or after 10 actions as in the code.
 - It turns through four headings at the start and on arrival, which L3MVN does not (``look_around``).
@@ -82,7 +81,7 @@ class L3MVNAgent(AskingAgent):
         """
         if not language.gives_scores:
             raise ConfigError(
-                f"agent l3mvn compares probabilities, and {language.name} gives none; choose language=encoder, "
+                f"agent l3mvn compares probabilities, but {language.name} gives none; choose language=encoder, "
                 "masked_lm or causal_lm"
             )
         manner = Manner(look_around=look_around, opens=opens, replan_steps=replan_steps)

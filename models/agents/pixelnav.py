@@ -9,8 +9,7 @@ otherwise. Nothing is remembered, and nothing seen on the way changes the plan (
 Differences from the paper and its code, and their reasons:
 - Four views at 90 degrees instead of twelve at 30: the task's turns.
 - Views without a reachable node in sight at 1 to 5 m are left out of the question; PixelNav's first rule leaves out
-views
-  without floor to walk on.
+  views without floor to walk on.
 - Labels of the detector in use instead of Grounding DINO and SAM.
 - Walking is by the planner that all agents share instead of the learned pixel policy, as in the UcON paper; the goal is
   the reachable node in view nearest to the goal pixel, at most 5 m away.
@@ -77,8 +76,8 @@ class PixelNavAgent(AskingAgent):
             raise ConfigError(unknown_name("inputs of agent pixelnav", inputs, get_args(Inputs)))
         if inputs == "images" and not sees_images(language):
             raise ConfigError(
-                f"agent pixelnav_images shows pictures, and {language.name} sees none; choose language=vision_lm or "
-                "chat_api, or agent=pixelnav, which tells what is in view"
+                f"agent pixelnav_images sends pictures, but {language.name} sees none; choose language=vision_lm or "
+                "chat_api, or agent=pixelnav, which describes the view"
             )
         manner = Manner(opens=opens, interrupt="always" if interrupt_on_sight else "chosen")
         super().__init__(language, prompt or f"pixelnav_{inputs}", manner, seed, temperature)

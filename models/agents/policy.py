@@ -188,7 +188,7 @@ class PolicyAgent:
 
     def _choose(self, logits: NDArray[np.float64], episode: _Episode) -> int:
         if not np.isfinite(logits).all():
-            raise DataError(f"agent {self.name}: logits that are no numbers at step {episode.steps}; train it anew")
+            raise DataError(f"agent {self.name}: logits are not finite at step {episode.steps}; train it again")
         if not self._sample:
             return int(logits.argmax())
         weights = np.exp((logits - logits.max()) / self._temperature)
@@ -199,7 +199,7 @@ class PolicyAgent:
         n, most = len(info.get("habits", ())), self.policy.max_habits
         if most is not None and n > most and not self._weights.untrained:
             raise ConfigError(
-                f"episode {info.get('episode', '')}: {n} habits, and {self.name} learned from at most {most}; give "
+                f"episode {info.get('episode', '')}: {n} habits, but {self.name} was trained with at most {most}; give "
                 f"habit_level=retrieval or fewer habits, or train it with env.max_habits={n}"
             )
 
@@ -219,6 +219,6 @@ def _check_turns(name: str, info: Info) -> None:
     rules = task_rules(str(info.get("task", PAPER.name)))
     if rules.turn_deg != PAPER.turn_deg:
         raise ConfigError(
-            f"agent {name}: learned turns of {PAPER.turn_deg} degrees, and those of task={rules.name} are of "
-            f"{rules.turn_deg}; choose an agent that maps, such as agent=belief or agent=habit_policy"
+            f"agent {name}: trained with turns of {PAPER.turn_deg} degrees, but task={rules.name} turns by "
+            f"{rules.turn_deg}; choose an agent that builds a map, such as agent=belief or agent=habit_policy"
         )

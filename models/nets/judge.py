@@ -125,10 +125,10 @@ def _loaded(path: Path) -> TrainedJudge:
     except JsonError as error:
         raise DataError(f"{where}{error.at}: {error}; train it again (learner=judge)") from None
     if not isinstance(options, dict) or options.get("evidence") != list(EVIDENCE):
-        raise DataError(f"{where}: a judge of other evidence than is collected; train it again (learner=judge)")
+        raise DataError(f"{where}: trained on other evidence than is collected now; train it again (learner=judge)")
     width, habits = options.get("width"), options.get("habits")
     if type(width) is not int or not 1 <= width <= _WIDEST or type(habits) is not bool:
-        raise DataError(f"{where}: width={brief(width)}, habits={brief(habits)}: no judge; train it (learner=judge)")
+        raise DataError(f"{where}: width={brief(width)}, habits={brief(habits)}: no judge; train one (learner=judge)")
     net = JudgeNet(width, habits=habits)
     net.load_state_dict(read_fitting(path / WEIGHTS, net.state_dict())[0])
     return TrainedJudge(net, sha256_file(path / MANIFEST))

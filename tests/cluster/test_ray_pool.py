@@ -128,9 +128,9 @@ print(load_house(sys.argv[3]).spec.hash)
 
 def test_a_machine_with_other_code_is_refused(cluster):
     luggage = Luggage.packed()
-    with pytest.raises(ConfigError, match=r"its ucon .* is another than the one of this command"):
+    with pytest.raises(ConfigError, match=r"its ucon .* differs from that of this command"):
         replace(luggage, code="0" * 64).unpack()
-    with pytest.raises(ConfigError, match=r"numpy .* for 0\.1; records can depend on it"):
+    with pytest.raises(ConfigError, match=r"numpy .* instead of 0\.1; records can depend on it"):
         replace(luggage, versions={**luggage.versions, "numpy": "0.1"}).unpack()
 
 

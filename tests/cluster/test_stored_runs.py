@@ -27,7 +27,7 @@ def test_the_address_of_a_collector_is_said_again():
     config = train_config("agent=vtn", "learner=ppo", "collector=ray", "collector.address=far.away:6379")
     assert has_to_be_said("collector.address")
     assert has_to_be_said("runner.address")
-    with pytest.raises(ConfigError, match=r"say again: \+\+collector\.address="):
+    with pytest.raises(ConfigError, match=r"give \+\+collector\.address="):
         checked(config, "config.yaml", ("learner",), {}, "++")
     said = checked(config, "config.yaml", ("learner",), {"collector.address": "auto"}, "++")
     assert said["learner"]["collector"]["address"] == "auto"

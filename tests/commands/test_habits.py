@@ -123,7 +123,7 @@ def test_any_command_says_in_one_line_what_the_machine_refuses(capsys, monkeypat
     monkeypatch.setattr("ucon.commands.doctor.run", full)
     assert main(["doctor"]) == 2
     assert capsys.readouterr().err == (
-        "error: doctor: No space left on device; check the path, its permissions and the room on the disk\n"
+        "error: doctor: No space left on device; check the path, its permissions and the free disk space\n"
     )
 
 

@@ -47,6 +47,6 @@ def test_errors_are_one_line(propose, capsys):
     lines = capsys.readouterr().err.strip().split("\n")
     errors = [line for line in lines if line.startswith("error: ")]
     assert len(errors) == 5
-    assert "is no number up to 999999" in errors[4]
+    assert "is not a number up to 999999" in errors[4]
     assert len(errors[4]) < 300
     assert "who are you?" in errors[0]

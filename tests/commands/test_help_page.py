@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from hydra import compose, initialize_config_dir
+from omegaconf import DictConfig
 
 from ucon.configuration.help_page import HelpEntry, help_page, options_of
 
@@ -28,7 +31,7 @@ def test_options_are_told_with_their_comments() -> None:
 
 
 def test_code_keeps_its_lines() -> None:
-    text = "# One, as\n# in:\n#   a=1\n#   b=2\n# Then more.\none: 1\n"
+    text = "# The file.\n\n# One, as\n# in:\n#   a=1\n#   b=2\n# Then more.\none: 1\n"
     assert list(options_of(text)) == [HelpEntry("one", "1", "One, as in:\n  a=1\n  b=2\nThen more.")]
     page = help_page(CONFIGS, "eval")
     yolo, bge = (page[page.index(f"\n  {name} ") + 1 :].splitlines() for name in ("yolo_world", "bge_m3"))
@@ -56,7 +59,36 @@ def test_a_choice_adds_its_own_options(path: Path) -> None:
     page = help_page(CONFIGS, "eval", [f"agent={path.stem}", "agent=../../etc", "x=y", "--help"])
     told = page.partition(f"Options of agent={path.stem}:")[2]
     assert page.count("Options of ") == 1
-    assert all(f"agent.{option.name.removeprefix('agent.')}=" in told for option in options_of(path.read_text()))
+    whole = path.read_text().startswith("# @package _global_")
+    assert all(f"  {'' if whole else 'agent.'}{option.name}=" in told for option in options_of(path.read_text()))
+
+
+@pytest.mark.parametrize(
+    ("choice", "option"),
+    [
+        ("task=real_robot", "env.rig.camera_m"),
+        ("part=clip", "agent.policy.clip.path"),
+        ("detector=noisy", "detector.errors"),
+        ("habits=folder", "habits.path"),
+    ],
+)
+def test_options_of_a_choice_have_the_names_by_which_they_are_given(choice: str, option: str) -> None:
+    page = help_page(CONFIGS, "eval", [choice])
+    told = page.partition(f"Options of {choice}:")[2]
+    assert f"  {option}=" in told
+    with initialize_config_dir(str(CONFIGS), version_base="1.3"):
+        found = compose("eval", [choice])
+    assert all(_has(found, name) for name in re.findall(r"^  ([\w.]+)=", told, re.MULTILINE))
+
+
+def _has(found: DictConfig, name: str) -> bool:
+    """Whether a configuration has a dotted name, whatever its value."""
+    *groups, last = name.split(".")
+    for group in groups:
+        if not isinstance(found, DictConfig) or group not in list(found):
+            return False
+        found = found._get_node(group)
+    return last in list(found)
 
 
 def test_scripts_print_it() -> None:

@@ -129,10 +129,10 @@ def test_json_and_a_plan(file: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert found["rooms"][0]["room"] == "kitchen"
     assert found["requests"][0]["place"] == "in the fridge"
     assert found["requests"][0]["chance_by_habits"] is None
-    assert any(line.startswith(f"{file}:4: kitchen: piano: it found no place; ") for line in found["not placed"])
+    assert any(line.startswith(f"{file}:4: kitchen: piano: it does not fit; ") for line in found["not placed"])
     assert file.with_suffix(".png").read_bytes().startswith(b"\x89PNG")
     assert main(["home", "check", str(file)]) == 0
-    assert f"warning: {file}:4: kitchen: piano: it found no place" in capsys.readouterr().err
+    assert f"warning: {file}:4: kitchen: piano: it does not fit" in capsys.readouterr().err
 
 
 def test_faults_of_a_file_are_the_commands_error(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -175,7 +175,7 @@ def test_other_habits_than_those_of_the_file_are_refused(file: Path) -> None:
     assert with_own_habits(own) == own
     other = eval_config("episodes=mini")
     assert with_own_habits(other) == other
-    with pytest.raises(ConfigError, match="says its own habits; leave habits= out"):
+    with pytest.raises(ConfigError, match="has its own habits; leave out habits="):
         with_own_habits(eval_config(f"episodes={file}", "habits=official", "habits.path=x.json"))
 
 
@@ -189,7 +189,7 @@ def test_all_faults_are_told_at_once_by_line(file: Path, capsys: pytest.CaptureF
     )
     assert main(["home", "check", str(file)]) == 2
     warning, head, *faults = capsys.readouterr().err.replace(f"{file}:", "").splitlines()
-    assert warning.startswith("warning: 4: bedroom: bed: none of the 3 found a place; ")
+    assert warning.startswith("warning: 4: bedroom: bed: none of the 3 fit; ")
     assert head == "error:  4 faults:"
     assert [re.split("[;(?]", fault)[0].strip() for fault in faults] == [
         "10: mug: unknown thing 'moon': did you mean money, lemon, salmon",

@@ -44,7 +44,7 @@ def test_people_of_another_dataset_are_not_made_up(tmp_path, capsys) -> None:  #
     file = tmp_path / "other.jsonl.xz"
     save_episodes([replace(load_episodes("mini")[3], habits="own", habits_hash="0" * 64)], file)
     assert main(["info", "0", "--episodes", str(file)]) == 0
-    assert "people of the habit dataset 'own'; give it by --habits PATH" in capsys.readouterr().out
+    assert "people of the habit dataset 'own'; give it with --habits PATH" in capsys.readouterr().out
 
 
 def test_no_such_episode_is_one_line_with_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:

@@ -48,7 +48,7 @@ GROUPS = {
 IN_GROUPS = {
     "agent=lgx agent.temprature=1": "did you mean agent.temperature?",
     "agent=frontier_weighted agent.wieght=1": "expected one of agent.look_around, agent.opens, agent.overhead",
-    "agent=oracle agent.wieght=1": "what is chosen for agent has no options in its file of configs/agent/",
+    "agent=oracle agent.wieght=1": "the choice for agent has no options in its file in configs/agent/",
     "agent.min_pixels=1": "did you mean detector.min_pixels?",
     "env.widht_px=3": "did you mean env.width_px",
 }

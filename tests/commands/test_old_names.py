@@ -60,11 +60,11 @@ def test_at_any_depth(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(old_names, "RENAMED", {"b.New": {"length": "size"}})
     assert in_todays_names({"_target_": "b.New", "length": 2}, "f") == {"_target_": "b.New", "size": 2}
     assert in_todays_names(stored, "f") == {"x": [{"_target_": "b.New", "size": {"_target_": "c.Kept"}}], "y": 1}
-    with pytest.raises(DataError, match=r"^f: shape=square of b.New is no longer there"):
+    with pytest.raises(DataError, match=r"^f: shape=square of b.New was removed"):
         in_todays_names({"x": {"_target_": "a.Old", "shape": "square"}}, "f")
 
 
 def test_a_constructor_that_is_gone_says_why() -> None:
     for old in REMOVED:
-        with pytest.raises(DataError, match=rf"^f: {old} is gone \(.*; play the run by the commit"):
+        with pytest.raises(DataError, match=rf"^f: {old} is gone \(.*; play the run with the commit"):
             in_todays_names({"env": {"detector": {"rates": {"_target_": old}}}}, "f")

@@ -176,7 +176,7 @@ def test_a_run_that_cannot_be_played_does_not_keep_others_from_it(kept, tmp_path
 def test_paths_may_lie_elsewhere(kept, tmp_path):
     altered(kept, episodes="FAR/mini.jsonl.xz")
     found = replay(tmp_path, kept, "--path", f"FAR={ROOT / 'ucon/task/data'}")
-    assert "other episodes are kept than its configuration names now" in found.stderr
+    assert "its configuration now names other episodes than those kept" in found.stderr
     assert not (tmp_path / "out").exists(), "nothing was played"
 
 
@@ -186,7 +186,7 @@ ODD = [
     ("agent", "belief", "no usable agent._target_"),
     ("every", "x", "every=x: expected a whole number"),
     ("batch", 0, "batch=0: expected a whole number from 1 up"),
-    ("agent._target_", "os.mkdir", "agent._target_=os.mkdir: nothing in configs/ builds that there; a folder builds"),
+    ("agent._target_", "os.mkdir", "agent._target_=os.mkdir: nothing in configs/ builds that there; a stored run"),
     ("env.source.context", {"_target_": "os.mkdir", "path": "made"}, "env.source.context._target_=os.mkdir"),
     ("agent._target_", "ucon.core.files.os.mkdir", "agent._target_=ucon.core.files.os.mkdir: nothing in configs/"),
     ("agent._target_", "ucon.habits.book", "agent._target_=ucon.habits.book: nothing in configs/ builds that there"),
@@ -197,7 +197,7 @@ ODD = [
     (
         "env.source.dataset",
         {"_target_": "ucon.habits.book", "_args_": 7},
-        "env.source.dataset is called with _args_: 7, and never so in configs/",
+        "env.source.dataset is called with _args_: 7, which configs/ never does",
     ),
     ("agent", {"_target_": "models.agents.belief.BeliefAgent", "locate": 7}, "BeliefAgent.locate=7: expected a part"),
 ]

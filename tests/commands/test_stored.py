@@ -97,7 +97,7 @@ def put(config: dict[str, Any], key: str, value: Any) -> dict[str, Any]:
         ("learner.validation._target_", "ucon.habits.book", "learner.validation._target_=ucon.habits.book"),
         ("learner.validation._target_", ["os.system"], "learner.validation._target_="),
         ("learner.validation._target_", None, "learner.validation._target_=None"),
-        ("learner.validation._partial_", True, "learner.validation is called with _partial_: True, and never so"),
+        ("learner.validation._partial_", True, "learner.validation is called with _partial_: True, which configs/"),
         ("learner.validation._args_", ["x"], "learner.validation is called with _args_"),
         ("learner.validation._convert_", "object", "learner.validation is called with _convert_"),
         ("learner.env._recursive_", True, "learner.env is called with _recursive_: True"),
@@ -138,7 +138,7 @@ def test_downloads_are_said_again_and_files_are_not() -> None:
     off = composed("eval", "agent=lgx", "language=causal_lm")
     assert checked(off, "", BUILT, {}, "") == off
     on = composed("eval", "agent=lgx", "language=causal_lm", "language.download=true")
-    assert "say again: --set language.download=True" in refused(on)
+    assert "give --set language.download=True" in refused(on)
     assert checked(on, "", BUILT, {"language.download": True}, "")["agent"]["language"]["download"] is True
     assert "--set detector.weights.download=True" in refused(
         composed("eval", "detector=owlv2", "detector.weights.download=true")
@@ -187,7 +187,7 @@ def test_a_strangers_folder_starts_no_program(tmp_path: Path, canary: tuple[Path
     result = run("replay", *map(str, runs), "--workers", "0", "--every", "500", "--out", str(tmp_path / "out"))
     told = result.stderr.split(": not played: ")[1:]
     assert (result.returncode, result.stdout, len(told)) == (1, "", 4)
-    assert f"say again: --set detector.python={program} --set detector.weights={program}" in told[2]
+    assert f"give --set detector.python={program} --set detector.weights={program}" in told[2]
     listed = run("cases", str(runs[3]), "--out", str(tmp_path / "cases"))
     assert listed.returncode == 2
     assert "env.source.dataset._target_=" in listed.stderr
@@ -198,7 +198,7 @@ def test_a_strangers_folder_starts_no_program(tmp_path: Path, canary: tuple[Path
         (folder / "config.yaml").write_text(yaml.safe_dump(config))
         line = command("train.py", f"resume={folder}", "progress=false")
         assert ("learner.env.config.detector._target_=" in line) == (name == "a")
-        assert (f"say again: ++detector.python={program}" in line) == (name == "b")
+        assert (f"give ++detector.python={program}" in line) == (name == "b")
     assert not left.exists()
 
 

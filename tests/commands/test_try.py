@@ -25,7 +25,7 @@ def test_own_habits_and_the_search_by_them(tmp_path: Path, capsys: pytest.Captur
     words = ["try", "--object", "mug", "--habit", SAID, "--habit", ASIDE, "--no-video", "--out", str(tmp_path / "own")]
     assert main(words) == 0
     told = capsys.readouterr().out
-    assert "mug in Rs_int: kept beside the laptop, as your habits are read (" in told
+    assert "mug in Rs_int: kept beside the laptop, as read from your habits (" in told
     assert f'  number 1 of 20 retrieved: "{SAID}"\n  not among the 20 retrieved: "{ASIDE}"\n\n' in told
     (episode,) = load_episodes(str(tmp_path / "own" / "own.jsonl.xz"))
     entry = load_dataset_file(tmp_path / "own" / "own.habits.xz").entries[0]

@@ -133,6 +133,6 @@ def test_runs_that_keep_figures_only_say_how_they_are_played(
     names = ["belief-none", "belief-gt"] if words[0] == "compare" else ["belief-gt"]
     folders = " ".join(f"results/{name}" for name in names)
     assert line == (
-        f"error: {folders}: keeps figures only, no episodes; `python -m ucon replay {folders}` plays them, "
+        f"error: {folders}: keeps only figures, no episodes; run `python -m ucon replay {folders}`, "
         f"then give {' '.join(f'runs/replay/{name}' for name in names)}"
     )

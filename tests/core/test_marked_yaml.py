@@ -44,7 +44,7 @@ def test_values_have_their_types_and_lines() -> None:
         ("a: !include x\n", 1, "tags"),
         ("a: 1\nb: 2\na: 3\n", 3, r"'a' is there twice \(first at x.yaml:1\)"),
         ("a: 1\n---\nb: 2\n", 2, "a second document"),
-        ("a: 1\n? [b]\n: 2\n", 2, "a key that is no text"),
+        ("a: 1\n? [b]\n: 2\n", 2, "a key that is not text"),
         ('a: "x\\u0007"\n', 1, "control character"),
         ('a: "x\\u202e"\n', 1, "control character"),
         ("a: |\n  x\n  y\n", 1, "line break"),

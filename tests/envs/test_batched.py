@@ -166,7 +166,7 @@ def test_a_wrong_number_of_slots_is_one_line(slots: Any) -> None:
 
 
 def test_options_whose_results_are_no_tensors_are_refused() -> None:
-    with pytest.raises(ConfigError, match=r"^detector: what it gives is in no tensor"):
+    with pytest.raises(ConfigError, match=r"^detector: its results are not tensors"):
         batched(detector=True)
 
 

@@ -92,7 +92,7 @@ def test_errors_follow_the_seed_of_the_rig() -> None:
     ("message", "make"),
     [
         (r"env.planner=true: .*observed", lambda: made(planner="true")),
-        (r"env.rig: only task=real_robot", lambda: made(task="paper", rig=EXACT)),
+        (r"env.rig: only for task=real_robot", lambda: made(task="paper", rig=EXACT)),
         (r"image goals.*real_robot", lambda: UcONImageGoalEnv("mini", task="real_robot", habit_level="none")),
         (r"field of view of 0", lambda: made(fov_deg=0.0)),
         (r"the expert.*real_robot", lambda: Expert(load_episodes("mini", "real_robot")[0])),

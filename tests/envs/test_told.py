@@ -134,7 +134,7 @@ def test_orders_are_about_each_thing_and_change_nothing_of_the_habits() -> None:
         ({"falsehoods": "adversary", "false_share": 0.5}, "unknown kind of falsehoods 'adversary': did you mean adv"),
         ({"falsehoods": "stale", "false_share": 1.5}, "false_share=1.5: expected a share from 0 to 1"),
         ({"falsehoods": "stale", "false_share": float("nan")}, "false_share=nan: expected a share from 0 to 1"),
-        ({"false_share": 0.5}, "false_share=0.5: of what"),
+        ({"false_share": 0.5}, "false_share=0.5: no kind of falsehoods"),
     ],
 )
 def test_wrong_falsehoods_are_refused_in_one_line(options: dict[str, object], said: str) -> None:
@@ -181,7 +181,7 @@ def test_an_edit_takes_out_one_sentence_of_one_episode_and_says_another(tmp_path
 def test_an_edit_of_a_sentence_that_is_not_told_is_refused(tmp_path: Path) -> None:
     source = edited(tmp_path, Edit(EPISODES[0].id, "Nobody said this.", None))
     with pytest.raises(
-        EpisodeError, match=r"is not told 'Nobody said this\.'; expected one of its 20 habits"
+        EpisodeError, match=r"is not given 'Nobody said this\.'; expected one of its 20 habits"
     ) as caught:
         source.knowledge(EPISODES[0], "retrieval")
     assert "\n" not in str(caught.value)
@@ -201,7 +201,7 @@ GOOD = {"episode": "a", "habit": "b", "instead": None}
         ([{**GOOD, "habit": "\x1b[2J"}], r":1: expected plain text"),
         ([{**GOOD, "instead": " "}], r":1: expected plain text"),
         ([{**GOOD, "habit": "b" * 1001}], r":1: expected plain text"),
-        ([GOOD, {**GOOD, "instead": "c"}], r":2: a second edit of one sentence"),
+        ([GOOD, {**GOOD, "instead": "c"}], r":2: a second edit of the same sentence"),
     ],
 )
 def test_damaged_edits_are_refused_in_one_line(tmp_path: Path, lines: list[object], said: str) -> None:
@@ -215,7 +215,7 @@ def test_damaged_edits_are_refused_in_one_line(tmp_path: Path, lines: list[objec
 def test_edits_of_no_episode_that_is_played_are_refused(tmp_path: Path) -> None:
     source = edited(tmp_path, Edit("test/elsewhere/000", "b", None), Edit(EPISODES[0].id, "b", None))
     source.check_edits(EPISODES)
-    with pytest.raises(ConfigError, match=r"edits mini/.*, none of which is played; name their set"):
+    with pytest.raises(ConfigError, match=r"edits mini/.*, but no such episode is played; give their set"):
         source.check_edits(EPISODES[1:])
 
 

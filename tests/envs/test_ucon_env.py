@@ -287,7 +287,7 @@ def test_bad_episodes_are_refused(episodes: tuple[Episode, ...]) -> None:
     for wanted in ("no/such", 10_000):
         with pytest.raises(EpisodeError):
             env.reset(options={"episode": wanted})
-    with pytest.raises(EpisodeError, match="make the episodes anew"):
+    with pytest.raises(EpisodeError, match="make the episodes again"):
         env.reset(options={"episode": replace(episodes[0], home_hash="0" * 64)})
     with pytest.raises(EpisodeError, match="choose those habits"):
         env.reset(options={"episode": replace(episodes[0], habits_hash="0" * 64)})

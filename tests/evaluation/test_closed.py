@@ -138,7 +138,7 @@ def test_tables_and_json_show_it(tmp_path: Any, capsys: pytest.CaptureFixture[st
     assert "| 50 [" in lines[0]
     assert "% of the SR of oracle_locations" in page
     assert main(["compare", run, "--against", start, "--closed", start, goal]) == 2
-    assert "--markdown and --json" in capsys.readouterr().err
+    assert "--markdown or --json" in capsys.readouterr().err
 
 
 def test_without_a_way_nothing_is_added() -> None:

@@ -161,7 +161,7 @@ def test_every_place_where_a_write_was_cut_off(tmp_path):
 def test_what_is_no_evaluation_that_could_go_on_is_not_overwritten(tmp_path, name):
     """An unfinished training run has a configuration, kept episodes may have lost their summary."""
     (tmp_path / name).write_text("mine")
-    with pytest.raises(ConfigError, match=rf"{name} there is of another run and would be overwritten"):
+    with pytest.raises(ConfigError, match=rf"{name} belongs to another run and would be overwritten"):
         RunFolder(tmp_path, HASHES).open(IDS)
     assert [path.name for path in tmp_path.iterdir()] == [name]
 

@@ -43,7 +43,7 @@ def test_finished_episodes_are_kept_and_the_same_command_goes_on(tmp_path):
     assert full.returncode == 2, full.stderr[-2000:]
     assert full.stderr.count("\n") == 1, full.stderr[-2000:]
     assert "File too large; make room" in full.stderr
-    assert "the same command with the same out= goes on" in full.stderr
+    assert "the same command with the same out= continues" in full.stderr
     kept = (tmp_path / "run" / "episodes.jsonl.partial").read_bytes().count(b"\n") - 1
     assert 0 < kept < 8
     again = evaluate(tmp_path / "run")

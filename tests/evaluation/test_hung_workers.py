@@ -115,7 +115,7 @@ def test_an_episode_that_kills_every_worker_ends_the_run_and_what_is_finished_is
     agent = partial(Stops, tmp_path, target(1), 9, signal.SIGKILL)
     with pytest.raises(WorkerError, match=r"died with exit code -9 .*: 3 workers began .*") as caught:
         evaluate(spec(agent), EPISODES[:2], workers=2, on_played=kept.append)
-    assert f"began {EPISODES[1].id}; what is finished is kept" in str(caught.value)
+    assert f"began {EPISODES[1].id}; finished episodes are kept" in str(caught.value)
     assert "\n" not in str(caught.value)
     assert {one.index for one in kept} <= {0}
     assert len(list(tmp_path.iterdir())) == 3

@@ -171,4 +171,4 @@ def test_when_habits_pay_is_told_within_groups_that_make_up_the_whole(capsys):
         name: cells[0] for name, cells in groups.items() if ": " in name
     }
     assert main(["compare", *folders, "--when"]) == 2
-    assert "--when is shown by --markdown and --json" in capsys.readouterr().err
+    assert "--when is shown only with --markdown or --json" in capsys.readouterr().err

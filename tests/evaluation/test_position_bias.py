@@ -86,7 +86,7 @@ def test_another_form_is_refused_in_one_line(told: object) -> None:
         **{"retrieval": {}, "failure_causes": {}, "hashes": {}},
     }
     check_summary(summary, Path("summary.json"))
-    with pytest.raises(DataError, match=r"summary\.json: position_bias has another form") as caught:
+    with pytest.raises(DataError, match=r"summary\.json: position_bias is malformed") as caught:
         check_summary({**summary, "language": {"position_bias": told}}, Path("summary.json"))
     assert "\n" not in str(caught.value)
 

@@ -30,7 +30,7 @@ def test_packed_records_are_read_where_there_are_no_others(tmp_path):
 def test_damaged_packed_records_are_named(tmp_path, damage):
     packed = lzma.compress(to_lines([record(i) for i in range(3)]).encode())
     (tmp_path / "episodes.jsonl.xz").write_bytes(damage(packed))
-    with pytest.raises(DataError, match=r"episodes.jsonl.xz: not whole"):
+    with pytest.raises(DataError, match=r"episodes.jsonl.xz: incomplete"):
         read_records(tmp_path)
 
 
@@ -175,7 +175,7 @@ def test_names_with_other_line_breaks_are_read_back(tmp_path):
 
 def test_an_episode_twice_is_refused(tmp_path):
     (tmp_path / "episodes.jsonl").write_text(to_lines([record(0), record(1), record(0)]))
-    with pytest.raises(DataError, match="jsonl:3: episode e0 is there twice"):
+    with pytest.raises(DataError, match="jsonl:3: episode e0 is listed twice"):
         read_records(tmp_path)
 
 

@@ -36,7 +36,7 @@ def made_older(folder: Path) -> None:
 def test_a_run_as_it_was_finished_is_right(run, capsys):
     assert main(["verify", str(run)]) == 0
     assert "6 episodes: " in (told := capsys.readouterr().out)
-    assert "figures recomputed, all as they are kept; the checksums are right; not recomputed: " in told
+    assert "figures recomputed, all as stored; the checksums are right; not recomputed: " in told
     assert all(name in told.rpartition(":")[2] for name in ("hashes", "versions", "seconds"))
     assert main(["verify", str(run), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
@@ -76,7 +76,8 @@ def test_an_older_run_is_refused_until_it_is_sealed(run, tmp_path, capsys):
     for words in (("compare", run, again), ("replay", run), ("compare", run / RECORDS, again)):
         assert main(list(map(str, words))) != 0
         assert (
-            f"no checksums, an older version wrote it; `python -m ucon verify {run} --seal`" in capsys.readouterr().err
+            f"no checksums (written by an older version); `python -m ucon verify {run} --seal`"
+            in capsys.readouterr().err
         )
     assert main(["verify", str(run)]) == 1
     assert "there are no checksums: --seal adds them" in capsys.readouterr().out
@@ -114,7 +115,7 @@ def test_what_was_taken_away_or_packed_is_sealed_anew(run, capsys):
 def test_a_file_of_another_run_is_refused(run, capsys):
     (run / "decisions.jsonl").write_text("")
     assert main(["verify", str(run)]) == 1
-    assert "not of the run that summary.json tells of" in capsys.readouterr().err
+    assert "not part of the run that summary.json describes" in capsys.readouterr().err
 
 
 def test_a_run_of_training_is_none(capsys):

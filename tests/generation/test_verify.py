@@ -136,7 +136,7 @@ def test_supports_that_were_taken_away_or_invented_are_doubted(verifier):
     doubts = {(d.habit, d.placement, d.labelled): d for d in doubtful(dataset([changed]), verifier)}
     assert (0, entry.placements[place], False) in doubts
     assert (silent, entry.placements[place], True) in doubts
-    assert "is said not to support" in str(doubts[0, entry.placements[place], False])
+    assert "is not labelled as supporting" in str(doubts[0, entry.placements[place], False])
     assert not doubtful(dataset([changed]), verifier, wanted=lambda _: False)
 
 

@@ -158,7 +158,7 @@ def test_raw_tasks(tmp_path: Path) -> None:
     ]
     told = [str(problem).partition("whc_merge_3.json: ")[2] for problem in report.problems]
     assert told == [
-        "Rs_int[2]: basic_object_name 'my good knife' is no category; its locations say 'carving_knife', read so",
+        "Rs_int[2]: basic_object_name 'my good knife' is no category; read as 'carving_knife', from its locations",
         "Rs_int[3].location[1]: 'ontop shelf' is listed twice",
         "Rs_int[3].location[2]: unknown anchor category 'hall'",
         "Rs_int[4]: text, expected an object with habits and location",
@@ -172,7 +172,7 @@ def test_nothing_is_dropped_silently(tmp_path: Path) -> None:
     path.write_text(f'{{"Rs_int": {{{twice}, {twice}}}, "Ihlen_0_int": {{"wallet": {{}}}}}}')
     _, report = read(path)
     assert [problem.message for problem in report.problems] == [
-        "key 'wallet' stands twice in one object; only the last one is read",
+        "key 'wallet' appears twice in one object; only the last one is read",
         "object, expected a list of tasks",
     ]
     long = task(habits=["x" * 3000, "Keeps it\nclose.", "bell \x07", "half \ud800", "Fine."])

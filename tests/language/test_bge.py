@@ -228,12 +228,12 @@ DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
     "cut weights": (lambda f: _cut(f / "pytorch_model.bin"), r"cannot be loaded|weights lack"),
     "wrong shape": (lambda f: _set(f / "config.json", intermediate_size=128), "cannot be loaded"),
     "a tensor less": (_without_a_tensor, r"the weights lack 1 tensors \(encoder.layer.1.output.dense.weight"),
-    "other pooling": (_mean, "pools otherwise"),
+    "other pooling": (_mean, "does not pool"),
     "no tokenizer": (lambda f: (f / "tokenizer.json").unlink(), r"no tokenizer\.json"),
     "cut tokenizer": (lambda f: _cut(f / "tokenizer.json"), "cannot be loaded"),
     "no head": (lambda f: (f / "sparse_linear.pt").unlink(), r"no such file.*retriever\.sparse_weight=0"),
     "head's shape": (lambda f: _head(f, 1, 7), r"weight \(1, 7\) and bias \(1,\), expected \(1, 32\)"),
-    "no linear layer": (lambda f: _cut(f / "sparse_linear.pt"), "no linear layer's weight and bias"),
+    "no linear layer": (lambda f: _cut(f / "sparse_linear.pt"), "not the weight and bias of a linear layer"),
 }
 
 
@@ -262,9 +262,9 @@ def test_a_folders_own_modules_are_not_run(copy: Path, tmp_path: Path) -> None:
     (copy / "mine.py").write_text(f"open({str(left)!r}, 'w')\nclass Own: ...\n")
     modules = json.loads((copy / "modules.json").read_text())
     (copy / "modules.json").write_text(json.dumps([*modules, {"idx": 9, "name": "9", "path": "", "type": "mine.Own"}]))
-    with pytest.raises(DataError, match=r"module of type mine\.Own, which is code of the folder's own"):
+    with pytest.raises(DataError, match=r"module of type mine\.Own, which is code from the folder"):
         BgeM3(str(copy)).encode(["habit"])
     (copy / "modules.json").write_text("[1]")
-    with pytest.raises(DataError, match="no list of modules"):
+    with pytest.raises(DataError, match="not a list of modules"):
         BgeM3(str(copy)).encode(["habit"])
     assert not left.exists()

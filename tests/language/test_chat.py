@@ -111,7 +111,7 @@ def test_nobody_listens(client):
     with socket.socket() as unused:
         unused.bind(("127.0.0.1", 0))
         url = f"http://127.0.0.1:{unused.getsockname()[1]}/v1"
-        with pytest.raises(ServerError, match=r"refused.*see that the server runs") as caught:
+        with pytest.raises(ServerError, match=r"refused.*check that the server is running") as caught:
             client(url).ask(ASK)
     assert (caught.value.status, caught.value.attempts) == (None, 3)
 

@@ -57,7 +57,7 @@ def test_slots_must_be_exact(prompt, slots, said):
         ("[system]\na\n[system]\nb\n[situation]\nc", r":3: part \[system\]"),
         ("[system]\na\n[other]\nb", r":3: part \[other\]"),
         ("[system]\n{a\n[situation]\nb", r"\[system\].*write a plain brace"),
-        ("[system]\n{}\n[situation]\nb", r"slot \{\} is no plain name"),
+        ("[system]\n{}\n[situation]\nb", r"slot \{\} is not a plain name"),
         ("[system]\n{a.b}\n[situation]\nb", r"slot \{a\.b\}"),
         ("[system]\n{a!r}\n[situation]\nb", r"slot \{a\}"),
         ("[system]\na\n[situation]\nb\n[cloze]\nno gap", r"0 gaps"),

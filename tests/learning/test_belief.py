@@ -125,7 +125,7 @@ def test_it_may_begin_with_another_head(tmp_path):
         tiny_belief(initial=str(tmp_path), head={"width": 8})
     for raw, message in (
         (pickle.dumps({"a": 1}), "a pickle, which is never read"),
-        (numberless(tmp_path), "no numbers"),
+        (numberless(tmp_path), "not finite"),
     ):
         (tmp_path / WEIGHTS).write_bytes(raw)
         write_manifest(tmp_path, [WEIGHTS, CONFIG])
@@ -228,7 +228,7 @@ def test_all_that_stands_in_a_scene_may_be_a_place():
 @pytest.mark.parametrize("option", [{"n_folds": 3}, {"used_folds": 1}])
 def test_folds_of_habits_that_belong_to_scenes_are_refused(option):
     ((name, value),) = option.items()
-    with pytest.raises(ConfigError, match=rf"learner\.{name}={value}.* homes is dealt by scene") as caught:
+    with pytest.raises(ConfigError, match=rf"learner\.{name}={value}.* homes is split by scene") as caught:
         BeliefLearner(partial(small_head), in_two_homes(), steps=4, **option)
     assert "\n" not in str(caught.value)
 

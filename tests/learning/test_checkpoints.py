@@ -55,7 +55,7 @@ def test_missing_is_refused(kept, tmp_path):
     (kept.folder / "latest").unlink()
     with pytest.raises(CheckpointError, match=r"missing.*resume=.*step_00000004"):
         kept.load()
-    with pytest.raises(CheckpointError, match="start the run anew"):
+    with pytest.raises(CheckpointError, match="start a new run"):
         Checkpoints(tmp_path / "none", {}).load()
 
 

@@ -88,7 +88,7 @@ def test_is_fitted_once_and_anew_where_it_was_killed_meanwhile(data, fold, cache
     again = folds(data, default_pair_reader(), 2, 1, QUICK, never)[0]
     assert np.array_equal(again.logits, fold.logits)
     manifest.unlink()  # as a kill between the two files leaves it
-    with pytest.raises(AssertionError, match="fitting what reads"):
+    with pytest.raises(AssertionError, match="fitting a reader for"):
         folds(data, default_pair_reader(), 2, 1, QUICK, never)
     assert np.array_equal(fitted(data)[0].logits, fold.logits)
     assert manifest.is_file()
@@ -98,6 +98,8 @@ def test_anchors_that_the_shipped_weights_do_not_know_are_refused_before_fitting
     first = data.entries[0]
     moved = replace(first, placements=tuple(replace(place, anchor="unicorn") for place in first.placements))
     odd = HabitDataset("own", (moved, *data.entries[1:]))
-    with pytest.raises(ConfigError, match=r"habits own: the anchor unicorn is none of the 109 .* rename it") as caught:
+    with pytest.raises(
+        ConfigError, match=r"habits own: the anchor unicorn is not among the 109 .* rename it"
+    ) as caught:
         folds(odd, default_pair_reader(), 2, 1, QUICK, never)
     assert "\n" not in str(caught.value)

@@ -126,5 +126,5 @@ def test_what_is_no_agent_and_who_has_no_weights_is_said(tmp_path: Path) -> None
     with pytest.raises(ConfigError, match="no trained weights"):
         AgentDemonstrator(HabitPolicyAgent(HabitPolicy()), ENV)
     assert "untrained" in AgentDemonstrator(HabitPolicyAgent(HabitPolicy(), UNTRAINED), ENV).fingerprint()
-    with pytest.raises(ConfigError, match=r"learner.demonstrator: for learner=imitation"):
+    with pytest.raises(ConfigError, match=r"learner.demonstrator: only for learner=imitation"):
         tiny_dagger(tmp_path, demonstrator=SolutionDemonstrator())

@@ -123,7 +123,7 @@ def test_schedules_are_of_the_length_that_was_planned_at_each_step(tmp_path):
     plain = Line()
     begin(tmp_path / "plain", plain)
     run = extend(tmp_path / "plain", 40, learner=Line())
-    assert "no schedule depends on their number" in run.extended()
+    assert "no schedule depends on the number of steps" in run.extended()
 
 
 @pytest.mark.parametrize("stops", [(24,), (25, 29, 36), (23, 33)])
@@ -184,14 +184,14 @@ def test_a_stopped_run_may_be_extended_and_extended_again(tmp_path):
 def test_fewer_steps_and_as_many_are_refused_and_nothing_changes(extended, steps):
     before = files(extended)
     run = a_run(extended)
-    with pytest.raises(ConfigError, match=f"training.steps={steps}: 40 are done; give more"):
+    with pytest.raises(ConfigError, match=f"training.steps={steps}: 40 steps are done; give more"):
         run.resume(steps=steps)
     assert files(extended) == before
 
 
 def test_a_configuration_without_the_extension_is_of_another_run(extended):
     run = TrainingRun(extended, Annealed(), PLAN, run_identity(STORED))
-    with pytest.raises(CheckpointError, match=r"config\.yaml says of other extensions"):
+    with pytest.raises(CheckpointError, match=r"config\.yaml lists other extensions"):
         run.resume()
 
 
@@ -210,7 +210,7 @@ def test_only_more_steps_are_taken_beside_resume(tmp_path):
     for word in ("training.keep=3", "seed=1", "~training.steps", "training={steps: 40}", "+training.extended=[]"):
         with pytest.raises(ConfigError, match=r"leave out .*\(training\.steps=MORE extends it\)"):
             asked(tmp_path, word, steps=40)
-    with pytest.raises(ConfigError, match=r"training\.steps=22: the run has 23; give more"):
+    with pytest.raises(ConfigError, match=r"training\.steps=22: the run already has 23; give more"):
         asked(tmp_path, "training.steps=22", steps=22)
     for steps in ("many", 0, -4, 1.5, True, 10**12, None):
         with pytest.raises(ConfigError, match=r"training\.steps=.*expected a whole number from 1 to"):
@@ -232,7 +232,7 @@ def test_a_new_run_is_not_extended(tmp_path):
             "out": str(tmp_path), "training": {"steps": 3, "extended": []},
         }
     )  # fmt: skip
-    with pytest.raises(ConfigError, match=r"training\.extended is of runs that go on"):
+    with pytest.raises(ConfigError, match=r"training\.extended is for resumed runs only"):
         chosen_run(config, [], None)
 
 

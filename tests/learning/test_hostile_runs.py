@@ -69,7 +69,7 @@ def test_links_lead_nowhere(run, elsewhere, name):
     else:
         path.unlink(missing_ok=True)
     path.symlink_to(elsewhere / name)
-    refused(run, "is a link, and a run's folder holds none")
+    refused(run, "is a link, which a run's folder must not hold")
     refused(run, "is a link", "step_00000021")
     assert content(elsewhere) == before
 
@@ -167,7 +167,7 @@ STATES = {
 def test_states_that_no_run_wrote(run, name):
     rewritten(run, STATES[name])
     before = content(run)
-    refused(run, r"checkpoint .*; go on from an earlier one with resume=.*step_00000021")
+    refused(run, r"checkpoint .*; continue from an earlier one with resume=.*step_00000021")
     assert content(run) == before
 
 
@@ -200,7 +200,7 @@ def test_tensors_that_no_run_wrote(run, name):
     folder = run / "checkpoints" / LAST
     (folder / TENSORS).write_bytes(FILES[name])
     write_manifest(folder, [TENSORS, VALUES])
-    refused(run, "go on from an earlier one")
+    refused(run, "continue from an earlier one")
 
 
 def test_a_file_larger_than_any_state_is_not_read(run):
@@ -255,5 +255,5 @@ def test_a_checkpoint_of_other_kinds_of_number_is_refused(run):
         "exp_avg_sq/weight": torch.tensor([-1.0, 0.0]),
         "step/weight": torch.tensor(torch.inf),
     }.items():
-        with pytest.raises(DataError, match=r"state (of another learner|with \w+/weight, which holds)"):
+        with pytest.raises(DataError, match=r"state (of another learner|with invalid values in \w+/weight)"):
             updates.load(right | {name: value}, 1)

@@ -72,7 +72,7 @@ def test_neither_process_nor_shared_memory(tmp_path, number):
         timeout=300,
     )
     assert done.returncode == 1, done.stderr[-2000:]
-    assert "resume=RUN goes on" in done.stderr
+    assert "resume=RUN continues" in done.stderr
     held = json.loads(done.stdout.splitlines()[0])
     assert len(held["workers"]) == 2
     assert held["shared"], "it did use shared memory, so there was something to leave behind"

@@ -214,10 +214,10 @@ def test_experience_is_read_as_it_was_written(learner):
         (lambda row: [*row[:4], row[4][:8], *row[5:]], "cut off or not finite"),
         (lambda row: [*row[:4], 7, *row[5:]], "cut off or not finite"),
         (lambda row: [*row[:5], "?" + row[5][1:], *row[6:]], "cut off or not finite"),
-        (lambda row: [*row[:4], row[6], *row[5:]], "that cannot be"),
-        (lambda row: [*row[:8], 2.0, row[9]], "that cannot be"),
-        (lambda row: [*row[:9], float("nan")], "that cannot be"),
-        (lambda row: [*row[:7], "yes", *row[8:]], "that cannot be"),
+        (lambda row: [*row[:4], row[6], *row[5:]], "invalid experience"),
+        (lambda row: [*row[:8], 2.0, row[9]], "invalid experience"),
+        (lambda row: [*row[:9], float("nan")], "invalid experience"),
+        (lambda row: [*row[:7], "yes", *row[8:]], "invalid experience"),
         (lambda row: [*row, "09"], "trajectory of other episodes"),
         (lambda row: [*row, "0", "0"], "experience of another form"),
     ],
@@ -227,7 +227,7 @@ def test_a_state_whose_experience_was_changed_is_refused(learner, change, messag
     found.step()
     state = found.state_dict()
     rows = [change(row) for row in state.values["collected"]]
-    if message == "that cannot be" and rows[0][4] != state.values["collected"][0][4]:  # probabilities above 1
+    if message == "invalid experience" and rows[0][4] != state.values["collected"][0][4]:  # probabilities above 1
         rows = [[*row[:4], _all_ones(len(row[2])), *row[5:]] for row in rows]
     with pytest.raises(DataError, match=message):
         learner().load_state_dict(dataclasses.replace(state, values={**state.values, "collected": rows}))
@@ -260,7 +260,7 @@ def test_rollouts_that_make_no_sense(options, message):
 
 
 def test_options_that_are_for_other_learners_are_refused(learner):
-    with pytest.raises(ConfigError, match="PPO learns from what came of its own play"):
+    with pytest.raises(ConfigError, match="PPO learns from its own play"):
         learner(demonstrator=object())
     with pytest.raises(ConfigError, match=r"choose=loss: expected success_rate or spl"):
         learner(validation={"choose": "loss"})

@@ -136,7 +136,7 @@ def test_a_worker_that_is_lost_is_replaced_and_the_bytes_are_the_same(
     told = [line for line in capfd.readouterr().err.splitlines() if line.startswith("warning: worker ")]
     assert len(told) == 1
     assert f"(process {pid}): {'killed by signal 9' if number == signal.SIGKILL else 'no answer within 4 s'}" in told[0]
-    assert "the workers are replaced (1 of at most 3 times), and what they had begun is done again" in told[0]
+    assert "the workers are replaced (1 of at most 3 times), and their unfinished work is done again" in told[0]
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
     ours, theirs = files(tmp_path / "run"), whole(make)
@@ -153,7 +153,7 @@ def test_workers_that_are_lost_again_and_again_end_the_run_in_one_line(tmp_path,
     finally:
         learner.close()
     assert f"(process {lost[-1][0]}): killed by signal 9" in str(caught.value)
-    assert str(caught.value).endswith("replaced 3 times; what is saved is kept: resume=RUN goes on")
+    assert str(caught.value).endswith("replaced 3 times; what is saved is kept: resume=RUN continues")
     assert "\n" not in str(caught.value)
 
 

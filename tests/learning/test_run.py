@@ -64,7 +64,7 @@ def test_a_signal_saves_and_the_rest_is_the_same(whole, tmp_path, number, at, ca
         begun(tmp_path / "run", learner).run()
     assert (stop.value.step, stop.value.number) == (at, number)
     assert signal.getsignal(number) is handler
-    assert capsys.readouterr().err == "stopping after this step, in 3 s at the latest; Ctrl-C again aborts it at once\n"
+    assert capsys.readouterr().err == "stopping after this step, within 3 s; Ctrl-C again aborts it at once\n"
     again = TrainingRun(tmp_path / "run", Line(), PLAN, {"config": "x"})
     again.resume()
     assert again.step == at
@@ -143,7 +143,7 @@ def test_seconds_of_interrupted_calls_are_added_up(tmp_path, monkeypatch):
 def test_results_of_others_are_not_overwritten(tmp_path, name):
     """Those of an evaluation, or a finished run whose checkpoints are gone."""
     (tmp_path / name).write_text("mine")
-    with pytest.raises(ConfigError, match=rf"{name} there is of another run and would be overwritten; choose another"):
+    with pytest.raises(ConfigError, match=rf"{name} belongs to another run and would be overwritten; choose another"):
         begun(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == [name]
 
@@ -171,12 +171,12 @@ def test_a_run_whose_best_is_gone_finds_another(whole, tmp_path):
 
 
 def test_refusals(whole, tmp_path):
-    with pytest.raises(ConfigError, match="holds a run already; go on with resume="):
+    with pytest.raises(ConfigError, match="holds a run already; continue with resume="):
         begun(whole)
     for learner, identity in ((Line("b"), {"config": "x"}), (Line(), {"config": "y"})):
         with pytest.raises(CheckpointError, match="another run"):
             TrainingRun(whole, learner, PLAN, identity).resume()
-    with pytest.raises(CheckpointError, match="start the run anew"):
+    with pytest.raises(CheckpointError, match="start a new run"):
         TrainingRun(tmp_path, Line(), PLAN, {}).resume()
     (tmp_path / "file").write_text("")
     with pytest.raises(ConfigError, match="cannot be written"):

@@ -90,8 +90,8 @@ def test_a_run_is_its_model_folder(folder: Path) -> None:
 SEALED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "pickle": (WEIGHTS, lambda raw: pickle.dumps({"linear.weight": 1}), "a pickle, which is never read"),
     "torch.save": (WEIGHTS, lambda raw: b"PK\x03\x04" + raw, "a pickle, which is never read"),
-    "nothing": (WEIGHTS, lambda raw: b"", "no safetensors"),
-    "cut": (WEIGHTS, lambda raw: raw[:-1], "no safetensors"),
+    "nothing": (WEIGHTS, lambda raw: b"", "not a safetensors file"),
+    "cut": (WEIGHTS, lambda raw: raw[:-1], "not a safetensors file"),
     "shape": (WEIGHTS, lambda raw: network_files(Net(4))[WEIGHTS], r"linear.weight is \(2, 4\), expected \(2, 3\)"),
     "less": (WEIGHTS, lambda raw: save({"linear.bias": torch.zeros(2)}), "lacks tensor count"),
     "more": (WEIGHTS, lambda raw: save(load(raw) | {"z": torch.zeros(2)}), "has the unknown tensor z"),
@@ -100,7 +100,7 @@ SEALED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
         lambda raw: save(load(raw) | {"linear.bias": torch.zeros(2, dtype=torch.int64)}),
         "linear.bias is int64, expected float32",
     ),
-    "nan": (WEIGHTS, lambda raw: save(load(raw) | {"linear.bias": torch.tensor([0, torch.nan])}), "no numbers"),
+    "nan": (WEIGHTS, lambda raw: save(load(raw) | {"linear.bias": torch.tensor([0, torch.nan])}), "not finite"),
     "architecture": (CONFIG, lambda raw: network_files(Other())[CONFIG], "of architecture other, expected net"),
     "arguments": (
         CONFIG,
@@ -154,7 +154,7 @@ def test_where_there_is_nothing_it_says_how_to_get_it(tmp_path: Path) -> None:
 
 def test_weights_of_a_training_that_has_not_ended_are_refused(tmp_path: Path) -> None:
     (tmp_path / "checkpoints").mkdir()
-    with pytest.raises(DataError, match=r"its training has not ended; go on with `python train\.py resume="):
+    with pytest.raises(DataError, match=r"its training has not ended; continue with `python train\.py resume="):
         load_network(str(tmp_path), Net(), how="train it")
 
 

@@ -114,7 +114,7 @@ def test_is_fitted_once(folder, data):
 
 def test_numbers_that_are_none_leave_nothing_behind(data, cache, monkeypatch):
     monkeypatch.setattr(scene_fitting, "_loss", lambda net, *_: net.bias.sum() * float("nan"))
-    with pytest.raises(DivergedError, match="step 0: the loss is no number"):
+    with pytest.raises(DivergedError, match="step 0: the loss is not finite"):
         cached_scene_evidence(data, of_part(data, "val"), default_pair_reader(), QUICK)
     monkeypatch.undo()
     with pytest.raises(AssertionError, match="minutes, once"):

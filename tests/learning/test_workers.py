@@ -90,8 +90,11 @@ def stop(processes, number):
 @pytest.mark.parametrize(
     ("number", "message"),
     [
-        (signal.SIGSTOP, r"\(process {pid}\): no answer within 3 s, .*resume=RUN goes on, collector.worker_timeout_s"),
-        (signal.SIGKILL, r"\(process {pid}\): killed by signal 9, .*resume=RUN goes on"),
+        (
+            signal.SIGSTOP,
+            r"\(process {pid}\): no answer within 3 s, .*resume=RUN continues, collector.worker_timeout_s",
+        ),
+        (signal.SIGKILL, r"\(process {pid}\): killed by signal 9, .*resume=RUN continues"),
     ],
 )
 def test_who_gathers_experience_is_not_waited_for_for_ever(monkeypatch, tmp_path, number, message):
@@ -113,8 +116,8 @@ def test_who_gathers_experience_is_not_waited_for_for_ever(monkeypatch, tmp_path
 @pytest.mark.parametrize(
     ("number", "message"),
     [
-        (signal.SIGSTOP, r"\(process {pid}\): no answer within 3 s, .*resume=RUN goes on, learner.worker_timeout_s"),
-        pytest.param(signal.SIGKILL, r"\(process {pid}\): killed by signal 9, .*resume=RUN goes on", marks=SLOW),
+        (signal.SIGSTOP, r"\(process {pid}\): no answer within 3 s, .*resume=RUN continues, learner.worker_timeout_s"),
+        pytest.param(signal.SIGKILL, r"\(process {pid}\): killed by signal 9, .*resume=RUN continues", marks=SLOW),
     ],
 )
 def test_who_plays_ahead_of_learning_is_not_waited_for_for_ever(monkeypatch, tmp_path, number, message):
@@ -141,7 +144,7 @@ def test_who_does_not_answer_is_named_and_ended(monkeypatch, number):
     pid = stop(workers, number)
     try:
         monkeypatch.setattr(workers_module, "_GRACE_S", 0.5)
-        with pytest.raises(LearnerWorkerError, match=rf"\(process {pid}\).*resume=RUN goes on") as caught:
+        with pytest.raises(LearnerWorkerError, match=rf"\(process {pid}\).*resume=RUN continues") as caught:
             wait_for(workers)
         named = sum(f"(process {worker.pid})" in str(caught.value) for worker in workers)
         assert named == (2 if number == signal.SIGCONT else 1)

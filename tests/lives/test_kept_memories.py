@@ -93,7 +93,7 @@ def test_a_replay_leaves_what_is_kept_as_it_is(
 
 
 def test_a_memory_of_later_or_of_another_version_is_refused(base: Path, kept: Path, life: Life, tmp_path: Path) -> None:
-    with pytest.raises(DataError, match=r"it is day 0, .* goes on to day 1; begin with an earlier") as raised:
+    with pytest.raises(DataError, match=r"it is day 0, .* reaches to day 1; start with an earlier") as raised:
         run_of(base, f"memory.given={kept}", out="later").play()
     assert "\n" not in str(raised.value)
     text = (kept / log_name(life.id)).read_text()
@@ -111,7 +111,7 @@ def test_folders_that_do_not_fit_are_refused_in_one_line(tmp_path: Path) -> None
     with pytest.raises(ConfigError, match=r"cannot be written \(Not a directory\)") as raised:
         SightingsMemory(keep=str(file))
     assert "\n" not in str(raised.value)
-    with pytest.raises(ConfigError, match=r"keep and given are both .*; choose another folder to keep") as raised:
+    with pytest.raises(ConfigError, match=r"keep and given are both .*; choose another folder for keep") as raised:
         SightingsMemory(keep=str(tmp_path), given=f"{tmp_path}/.")
     assert "\n" not in str(raised.value)
 
@@ -185,8 +185,8 @@ def test_commands_read_a_kept_memory(base: Path, kept: Path, capsys: pytest.Capt
     ("words", "said"),
     [
         (("lives_train",), "lives_train has no end; give --limit LIVES and --out FILE"),
-        (("lives_train", "--limit", "0", "--out", "x.lives.xz"), "--limit 0: expected lives, from 1 up"),
-        (("lives_train", "--limit", "-2", "--out", "x.lives.xz"), "--limit -2: expected lives, from 1 up"),
+        (("lives_train", "--limit", "0", "--out", "x.lives.xz"), "--limit 0: expected a whole number from 1 up"),
+        (("lives_train", "--limit", "-2", "--out", "x.lives.xz"), "--limit -2: expected a whole number from 1 up"),
         (("lives_trian", "--limit", "1", "--out", "x.lives.xz"), "did you mean lives_train"),
         (("lives_train", "--limit", "1"), "--limit without --out"),
     ],

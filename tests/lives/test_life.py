@@ -157,7 +157,7 @@ def test_a_missing_field_is_refused(life, name):
 
 def test_a_life_of_another_home_or_other_habits_is_refused(life):
     house = load_house(life.scene)
-    with pytest.raises(EpisodeError, match="make the lives anew"):
+    with pytest.raises(EpisodeError, match="make the lives again"):
         check_life_home(replace(life, home_hash="0" * 64), house)
     with pytest.raises(EpisodeError, match="dock"):
         check_life_home(replace(life, dock=Start(0, 0, 0)), house)
@@ -173,7 +173,7 @@ def test_a_move_against_all_habits_is_found(life):
         (k, n) for k, one in enumerate(life.possessions) for n, place in enumerate(one.places) if not place.origins
     )
     wrong = replace(life, moves=(*life.moves, Move(N_SLOTS * life.days - 1, k, n, 0)))
-    assert any("names no such place" in line for line in verify_life(wrong, contexts_book()))
+    assert any("does not name this place" in line for line in verify_life(wrong, contexts_book()))
 
 
 def test_a_file_that_was_cut_is_refused(tmp_path):

@@ -183,7 +183,7 @@ def test_the_record_of_a_request_does_not_reach_the_agent() -> None:
 @pytest.mark.parametrize("memory", [MapMemory, SightingsMemory])
 def test_who_keeps_no_map_has_nothing_to_remember(memory: Any) -> None:
     life = short_life(requests=2)
-    with pytest.raises(ConfigError, match="this agent maps nothing") as raised:
+    with pytest.raises(ConfigError, match="this agent keeps no map") as raised:
         evaluate(spec(RandomAgent, life, memory), asked_of([life]), workers=0)
     assert "\n" not in str(raised.value)
     assert len(evaluate(spec(RandomAgent, life, None), asked_of([life]), workers=0)) == 2

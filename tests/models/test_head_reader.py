@@ -142,10 +142,10 @@ UNFIT = {
     "no head": (CONFIG, lambda raw: b"{}", rf"{CONFIG}: describes no belief head of this version; train one"),
     "no options": (CONFIG, lambda raw: b'{"head": 3}', rf"{CONFIG}: describes no belief head of this version"),
     "no JSON": (CONFIG, lambda raw: b"{", rf"{CONFIG}:1:2: not JSON"),
-    "a pickle": (WEIGHTS, pickled, rf"{WEIGHTS}: no safetensors \(a pickle, which is never read\)"),
+    "a pickle": (WEIGHTS, pickled, rf"{WEIGHTS}: not a safetensors file \(a pickle, which is never read\)"),
     "a tensor less": (WEIGHTS, with_tensors(lambda t: dict(sorted(t.items())[1:])), r"lacks tensor \w"),
     "a tensor more": (WEIGHTS, with_tensors(lambda t: t | {"z": torch.zeros(2)}), "has the unknown tensor z"),
-    "no number": (WEIGHTS, with_tensors(lambda t: {n: v * torch.nan for n, v in t.items()}), "are no numbers"),
+    "no number": (WEIGHTS, with_tensors(lambda t: {n: v * torch.nan for n, v in t.items()}), "are not finite"),
 }
 
 

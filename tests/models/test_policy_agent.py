@@ -175,7 +175,8 @@ def test_a_list_longer_than_it_learned_from_is_refused(tmp_path: Path) -> None:
     agent = PolicyAgent(Reading(), str(saved(tmp_path, policy)))
     agent.reset([info(0) | {"habits": ("a", "b", "c")}])
     told = (
-        r"episode e0: 4 habits, and remembering learned from at most 3; give habit_level=retrieval .* env\.max_habits=4"
+        r"episode e0: 4 habits, but remembering was trained with at most 3; "
+        r"give habit_level=retrieval .* env\.max_habits=4"
     )
     with pytest.raises(ConfigError, match=told):
         agent.reset([info(0) | {"habits": ("a", "b", "c", "d")}])
@@ -187,7 +188,7 @@ def test_the_shipped_policy_refuses_what_no_training_gave() -> None:
     _, told = env.reset(options={"episode": 0})
     agent.reset([told])
     longer = told | {"habits": (told["habits"] * 4)[:1025]}
-    with pytest.raises(ConfigError, match="1025 habits, and habit_policy_e2e learned from at most 1024"):
+    with pytest.raises(ConfigError, match="1025 habits, but habit_policy_e2e was trained with at most 1024"):
         agent.reset([longer])
 
 
@@ -197,7 +198,7 @@ def test_weights_that_became_no_numbers_are_told() -> None:
         policy.head.bias[0] = torch.nan
     agent = PolicyAgent(policy, "untrained")
     agent.reset([info(1)])
-    with pytest.raises(DataError, match="logits that are no numbers at step 0"):
+    with pytest.raises(DataError, match="logits are not finite at step 0"):
         agent.act([seen(1)[0]], [info(1)])
 
 

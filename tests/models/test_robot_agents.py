@@ -113,5 +113,5 @@ def test_the_map_stands_where_the_odometry_says() -> None:
 def test_who_learned_quarter_turns_refuses() -> None:
     _, info = robot().reset(options={"episode": 0})
     agent = PolicyAgent(HabitPolicyE2E(), checkpoint="untrained")
-    with pytest.raises(ConfigError, match=r"learned turns of 90 degrees.*real_robot are of 60"):
+    with pytest.raises(ConfigError, match=r"trained with turns of 90 degrees.*real_robot turns by 60"):
         agent.reset([info])

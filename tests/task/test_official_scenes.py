@@ -62,5 +62,5 @@ def test_a_scene_that_is_held_out_altogether_asks_for_nothing_else(tmp_path: Pat
 
 def test_a_file_of_such_scenes_alone_is_one_line(tmp_path: Path) -> None:
     dataset = official_habits(release(tmp_path, {"Ihlen_0_int": NOTHING_FITS}))
-    with pytest.raises(ConfigError, match="in no scene of 'official:task' can enough of it be placed"):
+    with pytest.raises(ConfigError, match="too little of 'official:task' can be placed in any of its scenes"):
         next(set_orders("official", dataset))

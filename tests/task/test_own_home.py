@@ -98,7 +98,7 @@ def test_english_places(words: str, relation: Any, anchor: str) -> None:
         ("behind the sofa", "expected one of in, on, under, next to"),
         ("", "expected one of in"),
         ("on the tabel", "unknown thing 'tabel'"),
-        ("on the shelf in the kitchen", "which of several cannot be said; leave ' in the kitchen' out"),
+        ("on the shelf in the kitchen", "a room cannot be given here; leave ' in the kitchen' out"),
     ],
 )
 def test_places_that_are_none(words: str, part: str) -> None:
@@ -125,12 +125,12 @@ def test_sentences_go_to_what_they_name_or_with_the_one_before() -> None:
         ("rooms:\n  kitchen: {furniture: {walls: 1}}\n" + SAID, 2, "walls is part of the building; leave it out"),
         ("rooms:\n  kitchen: {furniture: {fridge: 0}}\n" + SAID, 2, "fridge: '0', expected how many"),
         ("rooms:\n  kitchen: {furniture: {fridge: 31}}\n" + SAID, 2, "31 of fridge, expected at most 30"),
-        ("rooms:\n  kitchen: {furniture: {sofa: 1, couch: 1}}\n" + SAID, 2, "sofa is there twice"),
+        ("rooms:\n  kitchen: {furniture: {sofa: 1, couch: 1}}\n" + SAID, 2, "sofa is listed twice"),
         ("rooms:\n  kitchen: [0.5, 3]\n" + SAID, 2, "expected two sides of 1.75 to 12 m"),
         ("rooms:\n  kitchen: wide\n" + SAID, 2, "size: 'wide', expected two sides"),
         ("rooms:\n  Gran's place:\n" + SAID, 2, "say its type: Gran's place: {type: bedroom}"),
-        ("rooms:\n  - kitchen\n  - Kitchen\n" + SAID, 3, "room 'Kitchen' is there twice"),
-        ("rooms: [corridor]\n" + SAID, 1, "a home of a corridor alone; add a room"),
+        ("rooms:\n  - kitchen\n  - Kitchen\n" + SAID, 3, "room 'Kitchen' is listed twice"),
+        ("rooms: [corridor]\n" + SAID, 1, "a home with only a corridor; add a room"),
         ("rooms: []\n" + SAID, 1, "no rooms; name some"),
         (
             "rooms: [kitchen, bedroom]\ndoors: [[kitchen, bedrom]]\n" + SAID,
@@ -152,7 +152,7 @@ def test_sentences_go_to_what_they_name_or_with_the_one_before() -> None:
         ("kind: castle\n" + SAID, 1, "unknown kind of home 'castle': expected one of flat"),
         ("seed: -1\n" + SAID, 1, "seed: '-1', expected a whole number from 0"),
         ("starts: 1.0\n" + SAID, 1, "starts: '1.0', expected a whole number from 1 to 100"),
-        ("home: Rs_int\nrooms: [kitchen]\n" + SAID, 2, "Rs_int is there already"),
+        ("home: Rs_int\nrooms: [kitchen]\n" + SAID, 2, "Rs_int is an existing home"),
         ("home: Rs_int~x\n" + SAID, 1, "expected a whole number from 1, as in Rs_int~3"),
         ("home: [a]\n" + SAID, 1, "expected a name of at most 60 letters"),
         ("habits: [The mug is in bed.]\nrequests: [mugg]\n", 2, "unknown object 'mugg': did you mean mug?"),
@@ -293,7 +293,7 @@ def test_what_finds_no_place_says_where_it_would(tmp_path: Path) -> None:
     )
     _, house = build(wish)
     told = {one.category: str(one).replace(f"{tmp_path}/", "") for one in unplaced(wish, house)}
-    assert told["piano"].startswith("x.yaml:4: bath: piano: it found no place; there is room for it at size: [")
+    assert told["piano"].startswith("x.yaml:4: bath: piano: it does not fit; there is room for it at size: [")
     assert "toilet" not in told
     for line in told.values():
         assert "\n" not in line
@@ -301,7 +301,7 @@ def test_what_finds_no_place_says_where_it_would(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("wanted", "placed", "told"),
-    [(1, 0, "it found no place"), (3, 0, "none of the 3 found a place"), (3, 2, "2 of 3 found a place")],
+    [(1, 0, "it does not fit"), (3, 0, "none of the 3 fit"), (3, 2, "2 of 3 fit")],
 )
 def test_how_many_found_a_place(wanted: int, placed: int, told: str) -> None:
     assert str(Unplaced("bath", "wall_clock", wanted, placed, "x:1", "")) == f"x:1: bath: wall clock: {told}"
@@ -325,4 +325,4 @@ def test_without_what_fits_nothing_is_built_again(tmp_path: Path, monkeypatch: p
     _, house = build(wish)
     monkeypatch.setattr(building, "build_program", None)
     (missing,) = unplaced(wish, house, nearest=False)
-    assert str(missing).endswith(" found a place")
+    assert str(missing).endswith(" fit")

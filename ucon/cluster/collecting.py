@@ -159,8 +159,8 @@ class _LastingCollector:
             self.shutdown()
             sys.stderr.write(f"warning: {lost}; the workers are replaced and the collection is repeated\n")
         raise LearnerWorkerError(
-            f"{lost}, {TRIES} times in a row; what is saved is kept: resume=RUN goes on, collector.worker_timeout_s "
-            "gives workers more time"
+            f"{lost}, {TRIES} times in a row; what is saved is kept: resume=RUN continues, "
+            "collector.worker_timeout_s gives workers more time"
         )
 
     def _collect(self) -> TensorDictBase:

@@ -80,7 +80,7 @@ def _check_answers(address: str) -> None:
     try:
         socket.create_connection((host.strip("[]"), int(port)), timeout=_ANSWER_S).close()
     except OSError as error:
-        raise ConfigError(f"address={brief(address)}: nobody answers there ({error}); {_REMEDY}") from None
+        raise ConfigError(f"address={brief(address)}: no answer there ({error}); {_REMEDY}") from None
 
 
 def cluster_cpus(ray: Any) -> int:

@@ -214,7 +214,7 @@ class Crew:
         self._nowhere_s = 0.0 if placed or not self._members else self._nowhere_s + passed_s
         if self._nowhere_s > PLACE_S:
             raise ConfigError(
-                f"the cluster gave no worker a place within {PLACE_S:g} s; it has "
+                f"the cluster had no room for a worker within {PLACE_S:g} s; it has "
                 f"{self._ray.cluster_resources().get('CPU', 0):g} CPUs: see `ray status`"
             )
         for member in placed:
@@ -223,7 +223,7 @@ class Crew:
             member.silent_s += passed_s
             running = member.left[: self._role.at_once]
             if member.silent_s > (limit := self._patience_s * max(1, len(running))):
-                what = ", ".join(map(self._role.name, running)) or "its beginning"
+                what = ", ".join(map(self._role.name, running)) or "its start"
                 self._replace(member, f"did not finish {what} within {limit:g} s ({self._option})", hangs=True)
 
     def _replace(self, member: _Member, why: str, *, hangs: bool = False) -> None:
@@ -235,8 +235,8 @@ class Crew:
         self._lost_in_a_row += 1
         if worst := [self._role.name(job) for job in running if self._failed[job[0]] >= TRIES]:
             text = (
-                f"{', '.join(worst)}: not finished by any of {TRIES} workers; the last one, {member}, {why}; what is "
-                f"finished is kept, the same command goes on: run it without Ray to see why, or raise {self._option}"
+                f"{', '.join(worst)}: not finished by any of {TRIES} workers; the last one, {member}, {why}; finished "
+                f"work is kept and the same command continues; run it without Ray to see why, or raise {self._option}"
             )
             raise EpisodeError(text) if hangs else WorkerError(text)
         if self._lost_in_a_row > TRIES * self._size:

@@ -62,12 +62,12 @@ class Luggage:
         host = platform.node()
         if code_hash() != self.code:
             raise ConfigError(
-                f"{host}: its ucon ({code_hash()[:12]}) is another than the one of this command ({self.code[:12]}); "
-                "all machines need the same code, best in a folder that they share"
+                f"{host}: its ucon ({code_hash()[:12]}) differs from that of this command ({self.code[:12]}); "
+                "all machines need the same code, best in a shared folder"
             )
         if others := {name: v for name, v in versions().items() if self.versions.get(name) != v}:
-            told = ", ".join(f"{name} {there} for {self.versions.get(name)}" for name, there in others.items())
-            raise ConfigError(f"{host}: {told}; records can depend on it: install the same set (constraints.txt)")
+            told = ", ".join(f"{name} {there} instead of {self.versions.get(name)}" for name, there in others.items())
+            raise ConfigError(f"{host}: {told}; records can depend on it; install the same versions (constraints.txt)")
         if Path(self.folder).is_dir():
             os.chdir(self.folder)
         if self.pack:

@@ -18,7 +18,7 @@ _TIMES: Final = "times as fast as TinyRenderer"
 _STEPS: Final = "steps a second"
 _FRAMES: Final = "frames a second"
 _LEARNED: Final = "decisions a second"
-_SHARE: Final = "of it"
+_SHARE: Final = "(fraction)"
 #: Worker processes that learners are measured with.
 _WORKERS: Final = (1, 2)
 #: Description and unit of each figure of ``--json``.
@@ -52,14 +52,14 @@ _OF_LEARNERS: Final = {
 #: The same of ``--batched``.
 _OF_BATCHES: Final = {
     "loop_sps": ("64 environments in a loop", _STEPS),
-    "keeping_loop_sps": ("the same, keeping what is seen", _STEPS),
-    "torchrl_sps": ("TorchRL's collector over a batch of them", _STEPS),
-    "torchrl_overhead": ("time that it takes more than the loop", _SHARE),
-    "torchrl_overhead_over_keeping": ("time that it takes more than the loop that keeps", _SHARE),
+    "keeping_loop_sps": ("the same, keeping observations", _STEPS),
+    "torchrl_sps": ("TorchRL's collector over a batch of 64 environments", _STEPS),
+    "torchrl_overhead": ("the collector's extra time, relative to the loop", _SHARE),
+    "torchrl_overhead_over_keeping": ("the same, relative to the loop that keeps observations", _SHARE),
     "workers_1_fps": ("TorchRL's collector in 1 worker process", _FRAMES),
     "workers_2_fps": ("TorchRL's collector in 2 worker processes", _FRAMES),
     "workers_gain": ("two workers over one", "times"),
-    "larger_images": ("steps with images of 224 x 224, of those of 128 x 128", _SHARE),
+    "larger_images": ("speed with images of 224 x 224, relative to 128 x 128", _SHARE),
 }
 
 
@@ -80,18 +80,40 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--cluster",
         type=Path,
         metavar="RUN",
-        help="reckon instead how long a finished run takes on more workers, of which some are slow and some are lost",
+        help="estimate instead how long a finished run would take on more workers, some of them slow and some lost",
     )
-    parser.add_argument("--workers", type=int, nargs="+", default=[8, 64, 512], help="of --cluster (default 8 64 512)")
-    parser.add_argument("--runs", type=int, default=1, help="of --cluster: so many runs like this one, in one go")
-    parser.add_argument("--lost", type=float, default=0.05, metavar="RATE", help="workers lost, per worker and hour")
-    parser.add_argument("--slow", type=float, default=0.05, metavar="SHARE", help="share of workers half as fast")
+    parser.add_argument(
+        "--workers",
+        type=int,
+        nargs="+",
+        default=[8, 64, 512],
+        help="with --cluster: numbers of workers (default: 8 64 512)",
+    )
+    parser.add_argument(
+        "--runs", type=int, default=1, help="with --cluster: number of such runs, played together (default: 1)"
+    )
+    parser.add_argument(
+        "--lost",
+        type=float,
+        default=0.05,
+        metavar="RATE",
+        help="with --cluster: losses per worker and hour (default: 0.05)",
+    )
+    parser.add_argument(
+        "--slow",
+        type=float,
+        default=0.05,
+        metavar="SHARE",
+        help="with --cluster: share of workers half as fast (default: 0.05)",
+    )
     instead.add_argument(
         "--scaling",
         action="store_true",
         help="measure cost against size instead: queries by sentences, steps by things and rooms (a minute)",
     )
-    parser.add_argument("--plot", type=Path, metavar="FOLDER", help="with --scaling: draw it there, a PNG each")
+    parser.add_argument(
+        "--plot", type=Path, metavar="FOLDER", help="with --scaling: also draw both as PNG files into a folder"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -144,7 +166,7 @@ def _reckon(args: argparse.Namespace) -> int:
         raise ConfigError(f"--runs {args.runs}: expected a whole number from 1 up")
     seconds = [timing.seconds for timing in FinishedRun.read(args.cluster).timings()] * args.runs
     if not seconds:
-        raise ConfigError(f"--cluster {args.cluster}: holds no timing of its episodes; evaluate them again")
+        raise ConfigError(f"--cluster {args.cluster}: has no timings of its episodes; evaluate them again")
     trouble = Trouble(lost_per_hour=args.lost, slow_share=args.slow)
     found = [simulate(seconds, workers, trouble) for workers in args.workers]
     if args.json:
@@ -154,7 +176,7 @@ def _reckon(args: argparse.Namespace) -> int:
     for one in found:
         print(
             f"{one.workers:>6} workers: {one.wall_s / 60:8.1f} min, {one.efficiency:4.0%} of their time used, "
-            f"{one.lost} lost, {one.again_s / 3600:.2f} core hours done again"
+            f"{one.lost} lost, {one.again_s / 3600:.2f} core hours repeated"
         )
     return 0
 
@@ -252,12 +274,12 @@ def _scaling(args: argparse.Namespace) -> int:
     for query in queries:
         times = f"{query.query_ms:>11.2f} {query.query_ms_worst:>9.2f} {query.first_ms:>9.1f} {query.reset_ms:>9.1f}"
         print(f"{query.retriever:<26} {query.sentences:>10} {times}")
-    print(f"embedding of a query that was never asked before, by MiniLM: {embedding:.1f} ms")
+    print(f"embedding a new query with MiniLM: {embedding:.1f} ms")
     print(f"{'step with images in':<26} {'things':>10} {'rooms':>11} {'ms a step':>9}")
     for step in steps:
         print(f"{step.home:<26} {step.things:>10} {step.rooms:>11} {step.step_ms:>9.3f}")
-    print("CPU time of one process; medians over queries, the fastest walks")
-    print("first: the query that makes the index; reset: the first one after a reset, which shuffles the sentences")
+    print("CPU time of one process: medians over queries, and the fastest walk of each episode")
+    print("first: the query that builds the index; reset: the first query after a reset, which shuffles the sentences")
     return 0
 
 

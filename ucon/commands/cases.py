@@ -22,24 +22,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
     case_figure.add_arguments(parser)
     parser.add_argument(
-        "run", nargs="?", metavar="RUN", type=Path, help="folder of results/, or of eval.py, at a level of habits"
+        "run", nargs="?", metavar="RUN", type=Path, help="run folder of eval.py, or of results/, at a level with habits"
     )
-    parser.add_argument("--out", type=Path, default=Path("runs/cases"), help="folder for all plays (runs/cases)")
     parser.add_argument(
-        "--most", type=int, default=5, metavar="N", help="habits tried in an episode, the weightiest first (default: 5)"
+        "--out", type=Path, default=Path("runs/cases"), help="folder for all searches played (runs/cases)"
+    )
+    parser.add_argument(
+        "--most", type=int, default=5, metavar="N", help="habits to try in each episode, by weight (default: 5)"
     )
     parser.add_argument(
         "--about",
         action="append",
         default=[],
         choices=("target", "beside", "anchor", "other"),
-        help="try habits about the target, about a thing that stands beside it as the habit says, about another that "
-        "may be kept at the target's anchor, or about any other thing; may be given again (default: all)",
+        help="try habits about the target, about a thing that stands next to it where the habit says, about a thing "
+        "that may be kept at the target's anchor, or about any other thing; may be repeated (default: all)",
     )
-    parser.add_argument("--every", type=int, default=1, metavar="K", help="every K-th of its episodes (default: all)")
-    parser.add_argument("--workers", default="auto", help="processes (default: one a core); changes nothing")
+    parser.add_argument("--every", type=int, default=1, metavar="K", help="try only every K-th episode (default: all)")
+    parser.add_argument("--workers", default="auto", help="processes (default: one per core); results stay the same")
     add_places(parser)
-    parser.add_argument("--json", action="store_true", help="print one JSON object a line: habits tried, then figures")
+    parser.add_argument(
+        "--json", action="store_true", help="print one JSON object per line: habits tried, then figures"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -105,7 +109,7 @@ def _print(found: Found, out: Path) -> None:
             print(f"  with it {with_it}, without it {without}")
     print(f"{len(found.tried)} of {found.told} habits tried in {found.episodes} episodes; {len(causes)} have a cause")
     if causes:
-        print(f"a pair: python -m ucon watch {out}/pairs/told EPISODE, and {out}/pairs/removed")
+        print(f"to see a pair: python -m ucon watch {out}/pairs/told EPISODE, and the same with {out}/pairs/removed")
 
 
 def _table(counts: Mapping[str, Mapping[str, Any]]) -> Any:

@@ -14,9 +14,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
     parser.add_argument("environment", metavar="ID_OR_MODULE:CLASS", help="UcON-v0, or my_module:MyWrapper")
     parser.add_argument(
-        "--around", default="UcON-v0", metavar="ID", help="the environment that a wrapper is put around (UcON-v0)"
+        "--around", default="UcON-v0", metavar="ID", help="environment to put a wrapper around (UcON-v0)"
     )
-    parser.add_argument("--json", action="store_true", help="print one JSON object a line")
+    parser.add_argument("--json", action="store_true", help="print one JSON object per line")
 
 
 def run(args: argparse.Namespace) -> int:

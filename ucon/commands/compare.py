@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
     parser.add_argument(
-        "runs", nargs="+", metavar="RUN", type=Path, help="run folders (two or more); A+B joins two of one agent"
+        "runs", nargs="+", metavar="RUN", type=Path, help="run folders (two or more); A+B joins two runs of one agent"
     )
     parser.add_argument(
         "--against",
@@ -28,15 +28,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="RUN",
         type=Path,
-        help="compare every RUN with this one only; may be given again (default: every pair)",
+        help="compare every RUN with this one only; may be repeated (default: every pair)",
     )
     parser.add_argument(
         "--closed",
         nargs=2,
         metavar=("START", "GOAL"),
         type=Path,
-        help="say how far every RUN has come from START (frontier) to GOAL (oracle_locations), and what carries over "
-        "to unseen categories and scenes; with --markdown or --json",
+        help="show how much of the distance from START (frontier) to GOAL (oracle_locations) every RUN has closed, and "
+        "how much carries over to unseen categories and scenes; with --markdown or --json",
     )
     parser.add_argument(
         "--by-kind", action="store_true", help="also within each kind of home: generated flats, scenes, ..."
@@ -44,17 +44,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--when",
         action="store_true",
-        help="also within the groups that may make habits pay: by how much households differ in where they keep such a "
-        "thing, by whether its place is against common sense, by size of home; with --markdown or --json",
+        help="also within groups in which habits may help more or less: by how much households differ in where they "
+        "keep the target, by whether its place is against common sense, by size of home; with --markdown or --json",
     )
-    parser.add_argument("--by-scene", action="store_true", help="draw whole homes in the bootstrap (wider intervals)")
+    parser.add_argument(
+        "--by-scene", action="store_true", help="resample whole homes in the bootstrap (wider intervals)"
+    )
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument(
         "--plot",
         metavar="FOLDER",
         type=Path,
-        help="also draw SR over steps, the runs from the lowest to the highest, differences by subset, when it pays, "
-        "and success by the share of false sentences (PNG); for runs of train.py their learning curves",
+        help="also draw PNG files: SR over steps, runs ordered by result, differences by subset, when habits pay, and "
+        "success by share of false sentences; for runs of train.py, their learning curves",
     )
     parser.add_argument("--markdown", action="store_true", help="print the tables of a results page, also by home size")
 
@@ -148,7 +150,7 @@ def _check_shown(args: argparse.Namespace) -> None:
 
     for option in ("closed", "when"):
         if getattr(args, option) and not (args.json or args.markdown):
-            raise ConfigError(f"--{option} is shown by --markdown and --json; give one of them")
+            raise ConfigError(f"--{option} is shown only with --markdown or --json; give one of them")
 
 
 def _are_trained(folders: list[Path], args: argparse.Namespace) -> bool:
@@ -158,7 +160,7 @@ def _are_trained(folders: list[Path], args: argparse.Namespace) -> bool:
 
     trained = [folder for folder in folders if (folder / METRICS).is_file()]
     if 0 < len(trained) < len(folders):
-        raise ConfigError(f"{trained[0]}: a run of train.py; compare such runs among themselves")
+        raise ConfigError(f"{trained[0]}: a run of train.py; compare it with other runs of train.py only")
     if trained and (args.plot is None or args.json or args.markdown or args.closed or args.by_kind):
         raise ConfigError("runs of train.py are compared by their learning curves; give --plot FOLDER alone")
     return bool(trained)

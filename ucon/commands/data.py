@@ -10,16 +10,22 @@ from typing import Final
 _ACTIONS: Final[dict[str, tuple[str, str]]] = {
     "text-tables": ("ucon.fitting.text_tables", "embed the habit book and the catalogue"),
     "fit-reader": ("ucon.fitting.anchor_reader", "fit the anchor reader"),
-    "fit-place-encoder": ("ucon.fitting.place_encoder", "teach the encoder which place a sentence speaks for"),
-    "fit-language-encoder": ("ucon.fitting.language.language_encoder", "fit the embedded language model's figures"),
-    "fit-location-model": ("ucon.fitting.language.location_model", "fit its answers about places"),
-    "fit-conditions": ("models.nets.belief.fit_conditions", "fit which sentences hold in a told context"),
+    "fit-place-encoder": ("ucon.fitting.place_encoder", "fit the encoder that tells which place a sentence points to"),
+    "fit-language-encoder": (
+        "ucon.fitting.language.language_encoder",
+        "fit the parameters of the embedded language model",
+    ),
+    "fit-location-model": (
+        "ucon.fitting.language.location_model",
+        "fit the embedded language model's answers about places",
+    ),
+    "fit-conditions": ("models.nets.belief.fit_conditions", "fit which sentences apply in a given context"),
     "fit-verifier": ("ucon.fitting.verifier", "fit the verifier of proposed habits"),
-    "measure-verifiers": ("ucon.fitting.verifiers.measure", "measure it, and a language model in its place"),
-    "ship-retriever": ("ucon.fitting.ship_retriever", "make a run of learner=retriever the shipped one"),
+    "measure-verifiers": ("ucon.fitting.verifiers.measure", "measure the verifier, and a language model in its place"),
+    "ship-retriever": ("ucon.fitting.ship_retriever", "make the retriever of a learner=retriever run the shipped one"),
     "measure-readers": ("ucon.fitting.measures", "measure retrieval and the reader on held-out categories"),
     "measure-retrieval": ("ucon.fitting.held_out_retrieval", "measure retrievers on held-out entries"),
-    "fit-memory": ("ucon.fitting.place_model", "fit what a robot remembers of places to kept memories"),
+    "fit-memory": ("ucon.fitting.place_model", "fit the model of remembered places to stored memories"),
     "measure-head": ("models.nets.belief.measure_head", "measure the belief head, or the reader, on held-out habits"),
 }
 

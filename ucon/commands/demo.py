@@ -15,7 +15,7 @@ _EPISODE = 12
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
-    parser.add_argument("--agent", default="belief", help="who searches, a file of configs/agent/ (belief)")
+    parser.add_argument("--agent", default="belief", help="agent that searches, a file in configs/agent/ (belief)")
     parser.add_argument("--out", type=Path, default=Path("runs/demo"), help="folder of the results (runs/demo)")
     parser.add_argument("--video", action=argparse.BooleanOptionalAction, default=True, help="film both searches")
 
@@ -43,8 +43,8 @@ def run(args: argparse.Namespace) -> int:
         searches = search_twice(words, args.out, ("none", "retrieval"), films=args.video)
     print(_introduction(episode))
     print_searches(searches)
-    print("\nChosen to show the point. What habits are worth on average: results/README.md;")
-    print('your own object and habits: python -m ucon try --object mug --habit "..."')
+    print("\nThis episode was chosen to show the point. Averages are in results/README.md.")
+    print('With your own object and habits: python -m ucon try --object mug --habit "..."')
     return 0
 
 
@@ -60,4 +60,4 @@ def _introduction(episode: Episode) -> str:
     name = entry.category.replace("_", " ")
     said = "".join(f'  "{habit.text}"\n' for habit in entry.habits if index in habit.supports)
     what = f"One search: the {name} in {episode.scene}, kept {spoken_place(place.relation, place.anchor)}."
-    return f"{what}\nOf {n} habits these say where it is:\n{said}"
+    return f"{what}\nOf {n} habits, these say where it is:\n{said}"

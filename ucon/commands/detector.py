@@ -18,16 +18,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's actions to its parser."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     fit = actions.add_parser("fit", help="walk through training homes with a detector and fit its errors")
-    fit.add_argument("name", metavar="NAME", help="of configs/detector")
-    fit.add_argument("file", metavar="FILE", type=Path, help="written: the errors, as JSON")
-    fit.add_argument("option", metavar="OPTION", nargs="*", help="of the detector, such as detector.seed=1")
+    fit.add_argument("name", metavar="NAME", help="a detector in configs/detector")
+    fit.add_argument("file", metavar="FILE", type=Path, help="file to write: the errors, as JSON")
+    fit.add_argument("option", metavar="OPTION", nargs="*", help="option of the detector, such as detector.seed=1")
     fit.add_argument("--episodes", metavar="SET", default="train", help="a set by name or file (train)")
     fit.add_argument("--walks", type=int, default=120, help="episodes to walk through, spread over the set (120)")
     fit.add_argument("--plots", metavar="FOLDER", type=Path, help="draw the errors as PNG files into a folder")
     show = actions.add_parser("show", help="print the errors of a detector")
-    show.add_argument("name", metavar="NAME", help="of configs/detector")
-    show.add_argument("file", metavar="FILE", type=Path, nargs="?", help="the errors; those of the package by default")
-    show.add_argument("--thing", default="mug", help="for what the chances are printed (mug)")
+    show.add_argument("name", metavar="NAME", help="a detector in configs/detector")
+    show.add_argument("file", metavar="FILE", type=Path, nargs="?", help="file of errors (default: the shipped one)")
+    show.add_argument("--thing", default="mug", help="thing whose chances are printed (mug)")
     show.add_argument("--plots", metavar="FOLDER", type=Path, help="draw the errors as PNG files into a folder")
 
 
@@ -106,7 +106,7 @@ def _detector(name: str, options: list[str]) -> BoxDetector:
 
     detector = Factory(eval_config(f"detector={name}", "out=runs/detector", *options)["detector"])()
     if not isinstance(detector, BoxDetector):
-        raise ConfigError(f"detector={name}: never errs; expected a detector that finds boxes, such as noisy")
+        raise ConfigError(f"detector={name}: makes no errors; expected a detector that finds boxes, such as noisy")
     return detector
 
 
@@ -132,24 +132,24 @@ def described(errors: DetectorErrors, thing: str) -> str:
     lines = [
         f"{errors.detector}: errors fitted on {errors.looks:,} looks (sha256 {errors.fingerprint()[:12]})",
         "",
-        "found, of things that show whole (%)",
+        "found, of things that are fully visible (%)",
     ]
     lines.append("   pixels" + "".join(f"{f'{m:g} m':>8}" for m in far))
     for px in sizes:
         chance = 100 * errors.found(np.full(4, px), far, np.ones(4))
         lines.append(f"{px:9.0f}" + "".join(f"{c:8.0f}" for c in chance))
     seen = 100 * errors.sighted_curve(thing, far)
-    lines.append(f"{thing[:9]:>9}" + "".join(f"{c:8.0f}" for c in seen) + "  by its size, in free sight")
+    lines.append(f"{thing[:9]:>9}" + "".join(f"{c:8.0f}" for c in seen) + "  by its size, fully visible")
     lines.append(f"\ncalled by its own name: {100 * errors.right:.0f} % of what is found")
     row = np.exp(errors.called[names.index(thing)])
     likely = ", ".join(f"{names[k]} {100 * row[k]:.0f} %" for k in np.argsort(-row)[:4])
     lines.append(f"a wrong name of {thing}: {likely}")
     scores = np.exp([errors.evidence(score) for score in _SCORES])
-    lines.append("how much likelier a right box has a score than a wrong one:")
+    lines.append("how much more often right boxes have a score than wrong ones:")
     lines.append("  " + "   ".join(f"{score:.1f}: {ratio:.2f}" for score, ratio in zip(_SCORES, scores, strict=True)))
     lines.append(f"boxes on nothing: {errors.false_boxes:.2f} a frame, {100 * errors.false_share:.0f} % of all boxes")
     lines.append(
-        f"looks from one of {errors.sides} sides within {errors.octave:g} octave: agree by {errors.repeats:.2f}, "
-        f"others by {errors.repeats_elsewhere:.2f}"
+        f"agreement of looks from the same side (of {errors.sides}) within {errors.octave:g} octave: "
+        f"{errors.repeats:.2f}; of other looks: {errors.repeats_elsewhere:.2f}"
     )
     return "\n".join(lines)

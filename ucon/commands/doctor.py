@@ -85,7 +85,9 @@ def python() -> Iterator[Diagnosis]:
     """Check the version of Python."""
     version = platform.python_version()
     if sys.version_info >= (3, 12):
-        remedy = "compiled homes replay and train; to build homes or sample episodes use Python 3.10 or 3.11"
+        remedy = (
+            "compiled homes work for replay and training; to build homes or sample episodes use Python 3.10 or 3.11"
+        )
         yield Diagnosis("Python", "note", f"{version} (no PyBullet wheels)", remedy)
     else:
         yield Diagnosis("Python", "ok", f"{version} on {platform.system()} {platform.machine()}")

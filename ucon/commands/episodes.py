@@ -36,8 +36,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     maker.add_argument(
         "--context", action="store_true", help="episodes state day, season and occasion, and follow them"
     )
-    maker.add_argument("--out", type=Path, help="file to write; default, for whole sets: where it is looked for")
-    maker.add_argument("--limit", type=int, help="only the first so many episodes")
+    maker.add_argument("--out", type=Path, help="file to write (default, for whole sets: where the set is loaded from)")
+    maker.add_argument("--limit", type=int, help="make only this many episodes, from the first")
     maker.add_argument("--habits", metavar="PATH", help="habit dataset by path; default: the embedded book")
     maker.add_argument("--workers", type=int, default=2, help="processes (default 2)")
     verifier = actions.add_parser("verify", help="replay every stored solution")
@@ -83,7 +83,7 @@ def _make(args: argparse.Namespace) -> int:
     else:
         orders = list(islice(planned, args.limit))
     if not orders:
-        raise ConfigError(f"dataset '{dataset.name}': nothing of it can be placed in a home of set '{args.name}'")
+        raise ConfigError(f"dataset '{dataset.name}': none of its entries can be placed in a home of set '{args.name}'")
     path = args.out or set_path(name)
     check_suffix(path)
     journal = path.with_name(f"{path.name}.part")
@@ -128,7 +128,9 @@ def _report(name: str | Path, episodes: Sequence[Episode]) -> int:
     for line in problems[:_SHOWN]:
         sys.stderr.write(f"  {line}\n")
     found = (
-        f"{len(problems)} of {len(episodes)} episodes do not hold" if problems else f"all {len(episodes)} episodes hold"
+        f"{len(problems)} of {len(episodes)} episodes are wrong"
+        if problems
+        else f"all {len(episodes)} episodes verified"
     )
     sys.stderr.write(f"{name}: {found}\n")
     return 1 if problems else 0

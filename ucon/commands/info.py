@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
-    parser.add_argument("episode", metavar="EPISODE", nargs="?", help="its name, or its number in the set")
+    parser.add_argument("episode", metavar="EPISODE", nargs="?", help="its name or its number in the set")
     parser.add_argument("--episodes", metavar="SET", default="mini", help="its set or file (default mini)")
     parser.add_argument(
         "--task", help="rules: paper, released_code, real_robot (default: those of the episode, or paper)"
     )
-    parser.add_argument("--habits", metavar="PATH", help="its habit dataset by path; default: the book")
+    parser.add_argument("--habits", metavar="PATH", help="its habit dataset, by path (default: the book)")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
@@ -94,11 +94,11 @@ def _print(facts: dict[str, Any]) -> None:
         print(f"{facts['episode']}: find the {target}; shortest path {facts['shortest_m']:.2f} m")
         print(f"home: {facts['home']} ({facts['kind']}), rooms: {', '.join(facts['rooms'])}")
         if facts["people"] is None:
-            print(f"whose: people of the habit dataset '{facts['habits_of']}'; give it by --habits PATH")
+            print(f"whose: people of the habit dataset '{facts['habits_of']}'; give it with --habits PATH")
         else:
             print(f"whose {target}: {facts['household']}")
-            print(f"{facts['people']} households are told of in {facts['habits']} habits")
-        print(f"kept {facts['place']} (what no agent is told)\n")
+            print(f"{facts['habits']} habits about {facts['people']} households")
+        print(f"kept {facts['place']} (agents are not told this)\n")
     print(f"task={facts['task']}: at most {facts['steps']} steps, each one of seven actions")
     for number, action in enumerate(facts["actions"]):
         print(f"  {number}  {action['name']:<13} {action['effect']}")

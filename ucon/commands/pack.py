@@ -13,7 +13,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--episodes", action="append", metavar="SET", help="a set by name or file; may be repeated")
     parser.add_argument(
-        "--out", type=Path, help="folder for UCON_PACK on the other machine; default: homes alone, into the package"
+        "--out", type=Path, help="folder for UCON_PACK on the other machine; default: only homes, into the package"
     )
 
 

@@ -18,19 +18,17 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
-    parser.add_argument("runs", nargs="+", metavar="RUN", type=Path, help="folders of results/, or of eval.py")
-    parser.add_argument(
-        "--every", type=int, default=1, metavar="K", help="play every K-th of their episodes (default: all)"
-    )
+    parser.add_argument("runs", nargs="+", metavar="RUN", type=Path, help="run folders of eval.py, or of results/")
+    parser.add_argument("--every", type=int, default=1, metavar="K", help="play only every K-th episode (default: all)")
     add_places(parser)
     parser.add_argument(
         "--device",
-        help="device of all networks, such as cpu for a run of a GPU; on another device than the stored one single "
+        help="device of all networks, such as cpu for a run made on a GPU; on another device than the stored one, some "
         "episodes may differ (default: as stored)",
     )
-    parser.add_argument("--workers", default="auto", help="processes (default: one a core); changes nothing")
+    parser.add_argument("--workers", default="auto", help="processes (default: one per core); results stay the same")
     parser.add_argument("--out", type=Path, default=Path("runs/replay"), help="folder of the new runs (runs/replay)")
-    parser.add_argument("--json", action="store_true", help="print one JSON object a line")
+    parser.add_argument("--json", action="store_true", help="print one JSON object per line")
 
 
 def run(args: argparse.Namespace) -> int:

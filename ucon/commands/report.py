@@ -15,23 +15,25 @@ NAME = "report.html"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
     parser.description = (
-        "Write report.html beside a run (of eval.py or train.py): tables with intervals, and every episode with its "
-        "map, path, pictures, beliefs, habits and decisions. Several runs are compared, episode by episode. Of runs of "
-        "lives: figures by day, the calendar of each life, and where each thing was. The file needs no network."
+        "Write report.html into a run's folder (eval.py or train.py): tables with intervals, and every episode with "
+        "its map, path, pictures, beliefs, habits and decisions. Several runs are compared, episode by episode. For "
+        "runs of lives: figures by day, the calendar of each life, and where each thing was. The file needs no network."
     )
     parser.add_argument(
-        "runs", nargs="+", metavar="RUN", type=Path, help="folders of eval.py (also of a sweep), or one of train.py"
+        "runs", nargs="+", metavar="RUN", type=Path, help="run folders of eval.py (or of a sweep), or one of train.py"
     )
-    parser.add_argument("--out", type=Path, help="the file (report.html beside the only run, or runs/report.html)")
+    parser.add_argument(
+        "--out", type=Path, help="file to write (default: report.html in the run's folder, or runs/report.html)"
+    )
     parser.add_argument(
         "--pictures",
         choices=("auto", "none", "key", "all"),
         default="auto",
-        help="steps with the camera's picture: none, key (decisions, openings), all; auto chooses by the number of "
-        "episodes",
+        help="steps shown with the camera's picture: none, key (decisions, openings), all; auto chooses by the number "
+        "of episodes",
     )
     parser.add_argument(
-        "--actions", action="store_true", help="the recorded actions alone, without what the agents believed (faster)"
+        "--actions", action="store_true", help="show the recorded actions only, without the agents' beliefs (faster)"
     )
     add_places(parser)
 
@@ -71,7 +73,7 @@ def run(args: argparse.Namespace) -> int:
     try:
         write_atomic(out, text.encode())
     except OSError as error:
-        raise ConfigError(f"{out}: cannot be written ({error.strerror}); give another file by --out") from None
+        raise ConfigError(f"{out}: cannot be written ({error.strerror}); give another file with --out") from None
     sys.stdout.write(f"{out}: {len(text) / 1e6:.1f} MB, open it in a browser\n")
     return 0
 

@@ -15,16 +15,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         metavar="FOLDER",
         type=Path,
-        help="folders in which runs are looked for (default: runs and results, where they are)",
+        help="folders in which to look for runs (default: runs and results, if they exist)",
     )
-    parser.add_argument("--port", type=int, help="0 for any free one (default 8765, or a free one where it is taken)")
+    parser.add_argument("--port", type=int, help="0 for any free one (default 8765, or a free one if it is taken)")
     parser.add_argument(
-        "--out", type=Path, default=Path("runs/serve"), help="folder of what is played and answered (runs/serve)"
+        "--out", type=Path, default=Path("runs/serve"), help="folder for searches and answers (runs/serve)"
     )
     parser.add_argument("--habits", metavar="PATH", help="dataset file, task file or book folder; default: the book")
     parser.add_argument(
         "--home", metavar="FILE.yaml", type=Path, action="append", default=[], dest="homes",
-        help="a home of your own, to search in on the page Play; may be given again",
+        help="a home of your own, to search in on the page Play; may be repeated",
     )  # fmt: skip
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
 
@@ -67,7 +67,7 @@ def run(args: argparse.Namespace) -> int:
 
     def ready(address: str) -> None:
         print(
-            f"{address}\nonly this machine can open it; Ctrl-C ends it, and what was played and answered is kept",
+            f"{address}\nonly this machine can open it; Ctrl-C ends it; searches and answers are kept",
             flush=True,
         )
         if not args.no_browser:
@@ -75,7 +75,7 @@ def run(args: argparse.Namespace) -> int:
 
     with suppress(KeyboardInterrupt):  # not raised in a job of a shell script, which ignores Ctrl-C
         serve(desk, args.port, ready)
-    print("\nended; the same command goes on", flush=True)
+    print("\nended; the same command continues", flush=True)
     return 0
 
 

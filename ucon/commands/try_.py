@@ -22,20 +22,24 @@ _UNSURE = 0.1
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
     parser.description = (
-        "Put an object where your habits say (or --place), search it without habits and with those that are "
-        "retrieved among the whole household's, and show both."
+        "Put an object where your habits (or --place) say, search for it without habits and with those retrieved from "
+        "all habits of the home, and show both searches."
     )
-    parser.add_argument("--scene", default="Rs_int", help="a home of `python -m ucon scenes` (Rs_int)")
-    parser.add_argument("--object", required=True, help="what is searched, of `python -m ucon catalogue`")
+    parser.add_argument("--scene", default="Rs_int", help="a home from `python -m ucon scenes` (Rs_int)")
+    parser.add_argument("--object", required=True, help="object to search for, from `python -m ucon catalogue`")
     parser.add_argument(
-        "--habit", action="append", required=True, metavar="SENTENCE", help="what your people do; repeat it"
+        "--habit", action="append", required=True, metavar="SENTENCE", help="a habit of your household; may be repeated"
     )
     parser.add_argument(
-        "--place", metavar="RELATION:ANCHOR", help="where it is kept, as nextto:laptop; default: as the habits are read"
+        "--place",
+        metavar="RELATION:ANCHOR",
+        help="where it is kept, such as nextto:laptop (default: read from the habits)",
     )
-    parser.add_argument("--agent", default="belief", help="who searches, a file of configs/agent/ (belief)")
-    parser.add_argument("--level", default="retrieval", help="habit level beside none: retrieval, full, gt, context")
-    parser.add_argument("--seed", type=int, default=0, help="of where everything else is and where it starts (0)")
+    parser.add_argument("--agent", default="belief", help="agent that searches, a file in configs/agent/ (belief)")
+    parser.add_argument(
+        "--level", default="retrieval", help="habit level to compare with none: retrieval, full, gt, context"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="seed of the start and of where everything else is (0)")
     parser.add_argument("--out", type=Path, help="folder of the results (runs/try/SCENE_OBJECT)")
     parser.add_argument("--video", action=argparse.BooleanOptionalAction, default=True, help="film both searches")
 
@@ -72,19 +76,22 @@ def run(args: argparse.Namespace) -> int:
         save_dataset(dataset, habits)
         save_episodes([episode], episodes)
         searches = search_twice(words, out, levels, films=args.video)
-    read = "" if wish.place else f", as your habits are read ({100 * chance:.0f} %; --place says otherwise)"
+    read = "" if wish.place else f", as read from your habits ({100 * chance:.0f} %; --place overrides it)"
     name = args.object.replace("_", " ")
     n_habits = sum(len(dataset.entries[dataset.entry_number[entry]].habits) for entry in episode.entries)
     print(f"{name} in {args.scene}: kept {spoken_place(place.relation, place.anchor)}{read}")
     if not wish.place and chance < _UNSURE:
-        print("warning: your sentences hardly say where it is; give --place, as --place nextto:laptop", file=sys.stderr)
+        print(
+            "warning: your sentences hardly say where it is; give --place, such as --place nextto:laptop",
+            file=sys.stderr,
+        )
     others = n_habits - len(args.habit)
     print(f"{len(args.habit)} of your sentences among {others} about other things and people of this home")
     for line in _given_lines(args.habit, searches[-1]):
         print(line)
     print()
     print_searches(searches)
-    print(f"\nOne search proves little; another --seed starts elsewhere, among other things. All files: {out}")
+    print(f"\nOne search proves little; another --seed changes the start and everything else. All files: {out}")
     return 0
 
 

@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
-    parser.add_argument("runs", nargs="+", metavar="RUN", type=Path, help="folders of eval.py, or of results/")
+    parser.add_argument("runs", nargs="+", metavar="RUN", type=Path, help="run folders of eval.py, or of results/")
     parser.add_argument(
         "--seal",
         action="store_true",
-        help="add checksums to runs that an older version finished, or of which files were taken away, where all "
-        "figures that can be recomputed agree",
+        help="add checksums to runs that an older version finished or from which files were removed, if all figures "
+        "that can be recomputed agree",
     )
-    parser.add_argument("--json", action="store_true", help="print one JSON object a line")
+    parser.add_argument("--json", action="store_true", help="print one JSON object per line")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -60,6 +60,6 @@ def _line(found: Verification) -> str:
     if not found.recomputed:
         return f"{what}figures alone, no records to recompute them from; {sums}"
     return (
-        f"{what}{len(found.recomputed)} figures recomputed, all as they are kept; {sums}; "
+        f"{what}{len(found.recomputed)} figures recomputed, all as stored; {sums}; "
         f"not recomputed: {', '.join(found.taken)}"
     )

@@ -30,13 +30,13 @@ _LEGEND: Final = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options to its parser."""
-    parser.add_argument("run", metavar="RUN", type=Path, help="folder of eval.py, or of results/ with its episodes")
     parser.add_argument(
-        "episode", metavar="EPISODE", nargs="?", help="its name or its number; without it all are listed"
+        "run", metavar="RUN", type=Path, help="run folder of eval.py, or of results/ if it has its episodes"
     )
-    parser.add_argument("--lost", action="store_true", help="list those alone that were not found")
+    parser.add_argument("episode", metavar="EPISODE", nargs="?", help="its name or its number (default: list all)")
+    parser.add_argument("--lost", action="store_true", help="list only the failed episodes")
     parser.add_argument(
-        "--actions", action="store_true", help="film the recorded actions, without the agent and what it thinks"
+        "--actions", action="store_true", help="film the recorded actions only, without running the agent"
     )
     parser.add_argument("--out", type=Path, default=Path("runs/watch"), help="folder of the film (runs/watch)")
     add_places(parser)
@@ -115,7 +115,7 @@ def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
             config["agent"] = {"_target_": "ucon.evaluation.playing.recorded.RecordedAgent", "actions": record.actions}
         run = Evaluation(config, args.out / "run", anew=True)
         if episodes_hash(run.episodes) != kept.summary["hashes"].get("episodes"):
-            raise DataError(f"{args.run}: other episodes were played than its configuration names now; evaluate again")
+            raise DataError(f"{args.run}: its configuration now names other episodes than those played; evaluate again")
         others = [k for k in range(len(kept.records)) if k != number]
         (played,) = evaluate(replace(run.spec, films=args.out), run.episodes, workers=0, skip=others)
         habits = [*_habit_lines(run, config["agent"], number, reads=kept.summary.get("uses_habits", True))]

@@ -95,7 +95,7 @@ def places(configs: Path = CONFIGS) -> PermittedConstructors:
     """
     files = sorted(configs.rglob("*.yaml"))
     if not files:
-        raise DataError(f"{configs}: no configurations, which say what a stored run may build; use a clone of UcON")
+        raise DataError(f"{configs}: no configurations there to say what a stored run may build; use a clone of UcON")
     calls: defaultdict[Place, set[Call]] = defaultdict(set)
     taken: defaultdict[Place, set[Place]] = defaultdict(set)
     for file in files:

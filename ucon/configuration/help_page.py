@@ -10,8 +10,9 @@ from typing import Final, NamedTuple
 
 _WIDTH: Final = 80
 _KEY = re.compile(r"( *)([\w/]+):(?: +([^#\n]*?))? *(?:#.*)?$")
+_PACKAGE = re.compile(r"# @package (\S+)")
 _GROUP = re.compile(r" *- (\w+): *([\w/${}]+)")
-#: Keys that are no options for users.
+#: Keys that are not options for users.
 _LEFT_OUT: Final = ("defaults", "hydra", "_target_")
 
 
@@ -30,14 +31,14 @@ def help_page(configs: Path, name: str, words: Sequence[str] = ()) -> str:
 
     Args:
         configs: folder of the configurations.
-        name: of the main file.
+        name: name of the main file.
         words: other words of the command line; ``agent=lgx`` adds the options of that file.
     """
     text = (configs / f"{name}.yaml").read_text(encoding="utf-8")
     lines = [*_head(text), "", "Options (name=value):", ""]
     for option in options_of(text):
         lines += _entry_lines(f"{option.name}={option.value}", option.comment)
-    lines += ["", "Groups (group=name); `GROUP=NAME --help` adds the options of one:"]
+    lines += ["", "Groups (GROUP=NAME); `GROUP=NAME --help` also lists the options of that choice:"]
     for group, chosen in _groups(text):
         lines += ["", f"{group}={chosen}"]
         for path in sorted((configs / group).glob("*.yaml")):
@@ -47,21 +48,21 @@ def help_page(configs: Path, name: str, words: Sequence[str] = ()) -> str:
         path = configs / group / f"{one}.yaml"
         if re.fullmatch(r"\w+", group) and re.fullmatch(r"\w+", one) and path.is_file():
             lines += ["", f"Options of {word}:", ""]
-            for option in options_of(path.read_text(encoding="utf-8")):
-                full = option.name if option.name.startswith(f"{group}.") else f"{group}.{option.name}"
-                lines += _entry_lines(f"{full}={option.value}", option.comment)
+            text = path.read_text(encoding="utf-8")
+            for option in options_of(text):
+                lines += _entry_lines(f"{_prefix(text, group)}{option.name}={option.value}", option.comment)
     return "\n".join(lines) + "\n"
 
 
 def options_of(text: str) -> Iterator[HelpEntry]:
-    """Keys of a YAML file that have a comment directly above them.
+    """Keys of a YAML file that have a comment directly above them, other than the comment at the start of the file.
 
     Args:
-        text: of the file.
+        text: text of the file.
     """
     above: list[str] = []
     path: list[tuple[int, str]] = []
-    for line in text.splitlines():
+    for line in text.splitlines()[len(_head(text)) :]:
         if line.lstrip().startswith("#"):
             above.append(_uncommented(line.lstrip()))
             continue
@@ -69,9 +70,16 @@ def options_of(text: str) -> Iterator[HelpEntry]:
             indent = len(match[1])
             path = [(depth, key) for depth, key in path if depth < indent] + [(indent, match[2])]
             keys = [key for _, key in path]
-            if above and keys[0] not in _LEFT_OUT and keys[-1] not in _LEFT_OUT and "@package" not in above[0]:
+            if above and keys[0] not in _LEFT_OUT and keys[-1] not in _LEFT_OUT:
                 yield HelpEntry(".".join(keys), match[3] or "...", _joined(above))
         above = []
+
+
+def _prefix(text: str, group: str) -> str:
+    """What precedes the keys of a group's file on the command line: its Hydra package and a dot; "" for the root."""
+    package = _PACKAGE.match(text)
+    name = group if package is None else package[1]
+    return "" if name == "_global_" else f"{name}."
 
 
 def _head(text: str) -> list[str]:
@@ -99,7 +107,7 @@ def _joined(lines: Iterable[str]) -> str:
 
 
 def _groups(text: str) -> Iterator[tuple[str, str]]:
-    """Groups of the defaults list, and what is chosen in each."""
+    """Groups of the defaults list, and the default choice of each."""
     for line in text.partition("\ndefaults:")[2].splitlines():
         if line and not line.startswith(" "):
             return
@@ -113,12 +121,15 @@ def _comment(path: Path) -> str:
 
 
 def _first_sentence(text: str) -> str:
-    """The first sentence of a comment, with the code that it announces."""
+    """The first sentence of a comment, with the code lines that follow it."""
     return re.split(r"(?<=\.)\s|\n(?!  )", text, maxsplit=1)[0]
 
 
 def _entry_lines(name: str, comment: str) -> list[str]:
-    """Lines of an option or choice and its comment: beside it, or below where its name is long. Code is not wrapped."""
+    """Lines of an option or choice and its comment, which follows on the same line, or below a long name.
+
+    Code is not wrapped.
+    """
     column = 24
     body: list[str] = []
     for part in comment.split("\n"):

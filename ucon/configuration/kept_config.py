@@ -31,7 +31,7 @@ def add_places(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="OLD=NEW",
-        help="where what a configuration names OLD lies here (runs/head1=FOLDER, PATH=FOLDER); may be given again",
+        help="path NEW here for what the configuration calls OLD (runs/head1=FOLDER, PATH=FOLDER); may be repeated",
     )
     add_said(parser)
 

@@ -101,7 +101,7 @@ def mapping(of: Kind) -> Kind:
 
 SWITCH: Final = Kind("true or false", lambda value: type(value) is bool)
 NUMBER: Final = Kind("a number", _is_number)
-TEXT: Final = Kind(f"a text of one line, names in it of at most {_LONGEST_NAME} bytes", is_text)
+TEXT: Final = Kind(f"a text of one line, with file names of at most {_LONGEST_NAME} bytes", is_text)
 PLACE: Final = Kind("the path of a folder", lambda value: is_text(value) and bool(value.strip()))
 SECONDS: Final = Kind("seconds above 0", lambda value: _is_number(value) and value > 0)
 NOTHING: Final = Kind("null", lambda value: value is None)

@@ -30,7 +30,7 @@ def unknown_option(name: str, known: Iterable[str]) -> str:
     if near:
         hint = f"did you mean {', '.join(near[:3])}?"
     elif not own:
-        hint = f"what is chosen for {group} has no options in its file of configs/{group}/"
+        hint = f"the choice for {group} has no options in its file in configs/{group}/"
     else:
         more = ", ..." if len(own) > _LISTED else ""
         hint = f"expected one of {', '.join(f'{group}.{one}' for one in own[:_LISTED])}{more}"

@@ -57,7 +57,7 @@ GONE: Final[Mapping[str, Mapping[str, Any]]] = {
 
 #: Constructors that are no longer there, and why nothing takes their place.
 REMOVED: Final[Mapping[str, str]] = {
-    "ucon.perception.detectors.noisy.Rates": "the noisy detector errs in another way since: occlusion, scores, draws",
+    "ucon.perception.detectors.noisy.Rates": "the noisy detector now makes other errors: occlusion, scores, draws",
     "ucon.learning.foresight.ForesightLoss": "learner=foresight learns what lies beyond views instead",
     "ucon.learning.ppo.foresight.ForesightLoss": "learner=foresight learns what lies beyond views instead",
 }
@@ -88,15 +88,15 @@ def in_todays_names(node: Any, where: str) -> Any:
         return out
     if target in REMOVED:
         raise DataError(
-            f"{where}: {target} is gone ({REMOVED[target]}); play the run by the commit in its summary.json"
+            f"{where}: {target} is gone ({REMOVED[target]}); play the run with the commit in its summary.json"
         )
     target = out["_target_"] = MOVED.get(target, target)
     out = {RENAMED.get(target, {}).get(name, name): value for name, value in out.items()}
     for name, nothing in GONE.get(target, {}).items():
         if name in out and out[name] != nothing:
             raise DataError(
-                f"{where}: {name}={brief(out[name])} of {target} is no longer there, and its value did something; "
-                "play the run by the commit in its summary.json"
+                f"{where}: {name}={brief(out[name])} of {target} was removed, and its value had an effect; "
+                "play the run with the commit in its summary.json"
             )
         out.pop(name, None)
     return out

@@ -23,8 +23,8 @@ def add_said(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="OPTION=VALUE",
-        help="a program, server or download that a run's folder must not decide, such as detector.python=FILE; may be "
-        "given again",
+        help="a program, server or download that a run's folder must not choose, such as detector.python=FILE; may be "
+        "repeated",
     )
 
 
@@ -41,8 +41,8 @@ def said_in(args: argparse.Namespace) -> dict[str, Any]:
             raise ConfigError(f"--set {word}: expected OPTION=VALUE")
         if not has_to_be_said(name):
             raise ConfigError(
-                f"--set {word}: expected an option that a stored run does not decide, such as detector.python; "
-                "anything else is as it is stored"
+                f"--set {word}: expected an option that a stored run must not choose, such as detector.python; "
+                "all others are taken as stored"
             )
         said[name] = {"true": True, "false": False}.get(value, value)
     return said
@@ -71,7 +71,7 @@ def checked(config: Mapping[str, Any], where: str, built: Sequence[str], said: M
     if needed:
         told = " ".join(f"{how}{name}={brief(value)}" for name, value in sorted(needed.items()))
         raise ConfigError(
-            f"{where}: programs, servers and downloads are not taken from a folder; if you trust it, say again: {told}"
+            f"{where}: programs, servers and downloads are not taken from a folder; if you trust it, give {told}"
         )
     return {**config, **out}
 
@@ -123,11 +123,11 @@ def _check_calls(config: Any, where: str) -> None:
             continue
         if call.target in {one.target for one in permitted}:
             told = ", ".join(f"{name}: {value}" for name, value in call.manner) or "nothing else"
-            problem = f"{_dotted(key)} is called with {brief(told)}, and never so in configs/"
+            problem = f"{_dotted(key)} is called with {brief(told)}, which configs/ never does"
         else:
             problem = f"{_dotted((*key, '_target_'))}={brief(call.target)}: nothing in configs/ builds that there"
         raise DataError(
-            f"{where}: {problem}; a folder builds only what configs/ does: where you trust it, add a file that does"
+            f"{where}: {problem}; a stored run builds only what configs/ builds; if you trust it, add a file there"
         )
 
 

@@ -119,8 +119,8 @@ class Pool:
             if waited > self._patience_s:
                 self.close(at_once=True)
                 raise UconError(
-                    f"a worker process has not answered for {self._patience_s:g} s: it hangs or is stopped, and is "
-                    "ended; the same command goes on with what is kept"
+                    f"a worker process has not answered for {self._patience_s:g} s: it hangs or is stopped, and was "
+                    "ended; finished work is kept and the same command continues"
                 )
 
     def map(self, work: Callable[[T], R], items: Iterable[T]) -> Iterator[R]:

@@ -85,7 +85,7 @@ def header(raw: bytes, path: Path) -> dict[str, tuple[str, tuple[int, ...]]]:
         raise _no_tensors(raw, path, "its header names no tensors")
     entries = {name: _entry(value) for name, value in found.items() if name != _METADATA}
     if odd := next((name for name, entry in entries.items() if entry is None), None):
-        raise _no_tensors(raw, path, f"{brief(odd)} is no tensor")
+        raise _no_tensors(raw, path, f"{brief(odd)} is not a tensor")
     return {name: entry for name, entry in entries.items() if entry is not None}
 
 
@@ -136,7 +136,7 @@ def check_finite(tensors: Mapping[str, Tensor], path: Path) -> None:
 
     for name, tensor in sorted(tensors.items()):
         if tensor.is_floating_point() and not bool(torch.isfinite(tensor.float()).all()):
-            raise DataError(f"{path}: {name} holds values that are no numbers; restore it, or train anew")
+            raise DataError(f"{path}: {name} holds values that are not finite; restore it, or train again")
 
 
 def _entry(value: Any) -> tuple[str, tuple[int, ...]] | None:
@@ -149,4 +149,4 @@ def _entry(value: Any) -> tuple[str, tuple[int, ...]] | None:
 
 def _no_tensors(raw: bytes, path: Path, reason: str) -> DataError:
     what = "a pickle, which is never read" if raw[:1] == b"\x80" or raw[:2] == b"PK" else brief(reason)
-    return DataError(f"{path}: no safetensors ({what}); restore it, or train anew")
+    return DataError(f"{path}: not a safetensors file ({what}); restore it, or train again")

@@ -57,7 +57,7 @@ class BatchedUcONEnv(EnvBase):
         if type(slots) is not int or not 1 <= slots <= MOST_SLOTS:
             raise ConfigError(f"slots={brief(slots)}: expected a whole number from 1 to {MOST_SLOTS}")
         if odd := sorted(set(options) & set(_NOT_IN_TENSORS)):
-            raise ConfigError(f"{odd[0]}: what it gives is in no tensor; make single environments with gymnasium.make")
+            raise ConfigError(f"{odd[0]}: its results are not tensors; make single environments with gymnasium.make")
         super().__init__(device=None, batch_size=torch.Size([slots]))
         first = UcONEnv(episodes, planner="observed", texts=True, **options)
         options["source"] = first.source
@@ -132,7 +132,7 @@ class BatchedUcONEnv(EnvBase):
             raise ActionError(f"action={actions[slot]} of slot {slot}: expected a whole number from 0 to {last}")
         if (over := self._ends["done"][chosen]).any():
             slot = chosen[int(over.argmax())]
-            raise EpisodeError(f"the episode of slot {slot} is over: reset it, with _reset for it alone")
+            raise EpisodeError(f"the episode of slot {slot} is over: reset that slot alone with _reset")
 
     def _chosen(self, tensordict: TensorDictBase | None, key: str) -> list[int]:
         """Slots that an entry (N,) or (N, 1) bool marks, ascending; all where there is none."""

@@ -96,7 +96,7 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
         if not 0 <= near_m < 1e3 or not 0 <= least_m < 1e3:
             raise ConfigError(f"env.near_m={near_m}, env.least_m={least_m}: expected metres from 0 up")
         self.env = UcONEnv(episodes, observe="pixels", texts=texts, **options)
-        self.env.rules.require_grid("image goals are nodes and headings of the grid")
+        self.env.rules.require_grid("image goals need nodes and headings of the grid")
         self.render_mode, self._texts = self.env.render_mode, with_texts(texts)
         self.action_space, self.observation_space = self.env.action_space, self.env.observation_space
         self._reward, self._near, self._least_m = reward or ImageGoalReward(), near_m, least_m

@@ -110,7 +110,9 @@ class HabitSource(Shared):
         if top_p < 1:
             raise ConfigError(f"top_p={top_p}, expected at least 1")
         if falsehoods is None and false_share:
-            raise ConfigError(f"env.source.false_share={false_share}: of what? give env.source.falsehoods, too")
+            raise ConfigError(
+                f"env.source.false_share={false_share}: no kind of falsehoods; give env.source.falsehoods, too"
+            )
         self._falsehoods = None if falsehoods is None else Falsehoods(falsehoods, false_share)
         self._edits = None if edits is None else Edits.read(edits)
         self.mode, self.top_p = mode, top_p
@@ -200,7 +202,7 @@ class HabitSource(Shared):
         if self._edits is not None and self._edits.episodes.isdisjoint(episode.id for episode in episodes):
             some = brief(min(self._edits.episodes))
             raise ConfigError(
-                f"{self._edits.where}: edits {some}, ..., none of which is played; name their set or file"
+                f"{self._edits.where}: edits {some}, ..., but no such episode is played; give their set or file"
             )
 
     @staticmethod
@@ -253,7 +255,7 @@ class HabitSource(Shared):
         if episode.habits_hash != dataset.sha256:
             raise EpisodeError(
                 f"episode {episode.id}: made with habits '{episode.habits}' {episode.habits_hash[:12]}, the dataset in "
-                f"use is '{dataset.name}' {dataset.sha256[:12]}; choose those habits or make the episodes anew"
+                f"use is '{dataset.name}' {dataset.sha256[:12]}; choose those habits or make the episodes again"
             )
         ids = episode.entries if self.mode == "category" else episode.task_entries
         drawn: dict[str, list[Entry]] = {}
@@ -284,7 +286,7 @@ class HabitSource(Shared):
         if self._edits is None or level == "none":
             return rows
         if level == "context":
-            raise ConfigError("env.source.edits at level context, whose list changes; choose another habit level")
+            raise ConfigError("env.source.edits: not for level context, whose list changes; choose another habit level")
         said = self._sentences.texts
         return self._edits.applied(episode.id, rows, tuple(said[row] for row in rows), len(said))
 

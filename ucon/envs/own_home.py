@@ -262,7 +262,7 @@ def make_episode(
     if target is not None:
         instead["requests"] = [{target: place}]
     elif place is not None:
-        raise ConfigError(f"place={brief(place)}: of what? give target, too, such as target='mug'")
+        raise ConfigError(f"place={brief(place)}: no target; give target, too, such as target='mug'")
     wish = read_home(_source(home), instead)
     if not wish.requests:
         raise ConfigError("target: nothing to search; give target='mug', or a file that has requests")

@@ -111,9 +111,11 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
         if not self.lives:
             raise EpisodeError("no lives: expected at least one; name a set (lives_mini, lives_test) or give a path")
         if "episodes" in options:
-            raise ConfigError("env.episodes: a resident plays lives, env.lives=SET; leave episodes out")
+            raise ConfigError("env.episodes: a resident plays lives; give env.lives=SET and leave episodes out")
         if type(patrol) is not int or not 0 <= patrol < task_rules(str(options.get("task", PAPER.name))).max_steps:
-            raise ConfigError(f"env.patrol={brief(patrol)}: expected steps a day, 0 up to less than a request may take")
+            raise ConfigError(
+                f"env.patrol={brief(patrol)}: expected steps a day, from 0 to fewer than a request may take"
+            )
         self._patrol, self._left = patrol, 0
         self._told, self._stale, self._texts = told, stale, with_texts(texts)
         source = source or HabitSource(contexts_book())

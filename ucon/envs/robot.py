@@ -37,7 +37,7 @@ def rigged_rules(task: str, rig: RobotRig | None, least_pixels: int | None = Non
     rules = task_rules(task, least_pixels)
     if not rules.continuous:
         if rig is not None:
-            raise ConfigError(f"env.rig: only task=real_robot has one, this is task={task}; leave it out")
+            raise ConfigError(f"env.rig: only for task=real_robot, but this is task={task}; leave it out")
         return rules, None
     rig = rig or RobotRig()
     return replace(rules, camera_heights_m=(rig.camera_m,)), rig

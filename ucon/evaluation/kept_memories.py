@@ -165,10 +165,10 @@ def known_table(title: str, known: Known) -> Table:
     table.add_column("", no_wrap=True)
     table.add_column("n", justify="right")
     table.add_column("mean [95 %]", justify="right", no_wrap=True)
-    rows = {"sentences that are habits": known.precision(), "habits that a sentence says": known.recall()}
+    rows = {"sentences that are habits": known.precision(), "habits that a sentence states": known.recall()}
     rows |= {f"tomorrow's places by {name}, nats": value for name, value in known.likelihoods().items()}
     names = list(known.tomorrow)
-    rows |= {f"{names[0]} less {name}, nats": known.better(names[0], name) for name in names[1:]}
+    rows |= {f"{names[0]} minus {name}, nats": known.better(names[0], name) for name in names[1:]}
     for name, value in rows.items():
         table.add_row(name, str(value.n), f"{value.mean:.3f} [{value.low:.3f}, {value.high:.3f}]")
     return table

@@ -168,7 +168,7 @@ def main(words: Sequence[str]) -> None:
         words: of the command line.
     """
     parser = argparse.ArgumentParser(prog="ucon data fit-place-encoder")
-    parser.add_argument("--table", action="store_true", help="write the table alone, by the adapter that is there")
+    parser.add_argument("--table", action="store_true", help="write only the table, with the existing adapter")
     args = parser.parse_args(words)
     torch.set_num_threads(1)
     data, pairs = book(), default_pair_reader()

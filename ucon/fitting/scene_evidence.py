@@ -198,7 +198,7 @@ def fit_scene_evidence(
         asked = _asked(net, batch, standing[batch[0].scene or ""], usual, pairs)
         loss = _loss(net, asked, pairs, recipe, derived_seed(0, "mask", step))
         if not bool(torch.isfinite(loss)):
-            raise DivergedError(f"places: step {step}: the loss is no number; nothing was kept")
+            raise DivergedError(f"places: step {step}: the loss is not finite; nothing was saved")
         share = schedule(step, len(batches), 20)
         for group, rate in zip(optimiser.param_groups, (recipe.lr, recipe.few_lr), strict=True):
             group["lr"] = rate * share
@@ -328,7 +328,7 @@ def cached_scene_evidence(
     made_of = [EDITION, data.sha256, standing, ids, pairs.encoder.name, str(asdict(recipe))]
     folder = user_cache() / "own_places" / sha256_bytes(canonical_json(made_of).encode())[:24]
     if not (folder / MANIFEST).is_file():
-        say(f"teaching which places {sum(len(e.habits) for e in entries)} sentences speak for (minutes, once)")
+        say(f"learning which places {sum(len(e.habits) for e in entries)} sentences support (minutes, once)")
         net = fit_scene_evidence(data, entries, pairs, recipe, say)
         write_atomic(folder / ADAPTER, adapter_bytes(net.adapter, MINILM_SHA256))
         buffer = io.BytesIO()
@@ -361,4 +361,4 @@ def precomputed_vectors(folder: Path, texts: Sequence[str]) -> PrecomputedVector
     try:
         return PrecomputedVectors(distinct, read_array(read_verified(path)))
     except UnpackError as error:
-        raise DataError(f"{path}: {error}; remove its folder, it is made again") from None
+        raise DataError(f"{path}: {error}; remove its folder and it is made again") from None

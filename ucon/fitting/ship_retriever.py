@@ -29,7 +29,7 @@ def ship(run: Path) -> None:
     if not card.is_file():
         raise DataError(f"{card}: missing; give the folder of a finished run")
     if len(raw) > MAX_BYTES:
-        raise DataError(f"{run}: an adapter of {len(raw):,} bytes, at most {MAX_BYTES:,} are shipped; lower its rank")
+        raise DataError(f"{run}: an adapter of {len(raw):,} bytes, expected at most {MAX_BYTES:,}; lower its rank")
     write_atomic(ADAPTER, raw)
     write_atomic(ADAPTER.parent / CARD, card.read_bytes())
     write_manifest_of(ADAPTER.parent)

@@ -77,5 +77,5 @@ def _read(path: Path) -> Tried:
     except FileNotFoundError:
         return {}
     except (OSError, ValueError, TypeError):
-        raise DataError(f"{path}: not a list of verdicts; remove the file, it is made again") from None
+        raise DataError(f"{path}: not a list of verdicts; remove the file and it is made again") from None
     return found

@@ -219,10 +219,10 @@ def _check(wishes: Sequence[EntryWish], categories: Collection[str], rounds: int
         if wish.kind is not None and wish.kind not in HOUSEHOLD_KINDS:
             raise ConfigError(unknown_name("kind of place", wish.kind, HOUSEHOLD_KINDS))
         if wish.count < 1:
-            raise ConfigError(f"{wish.count} entries of '{wish.category}' wished for, expected at least 1")
+            raise ConfigError(f"{wish.count} entries of '{wish.category}' requested, expected at least 1")
     twice = [key for key, n in Counter((wish.category, wish.kind) for wish in wishes).items() if n > 1]
     if twice:
-        raise ConfigError(f"entries of '{twice[0][0]}' are wished for twice; give one count")
+        raise ConfigError(f"entries of '{twice[0][0]}' are requested twice; give one count")
     if rounds < 1:
         raise ConfigError(f"rounds={rounds}, expected at least 1")
 

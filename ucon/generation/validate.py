@@ -229,4 +229,4 @@ def _read(path: Path, block: Trials) -> list[str | None]:
             return list(reasons)
     except (OSError, ValueError):
         pass
-    raise DataError(f"{path}: not the verdicts of {len(block.triples)} triples; remove the file, it is made again")
+    raise DataError(f"{path}: not the verdicts of {len(block.triples)} triples; remove the file and it is made again")

@@ -51,7 +51,7 @@ class Doubt:
     """Probability of support, by the text."""
 
     def __str__(self) -> str:
-        said = "is said to support" if self.labelled else "is said not to support"
+        said = "is labelled as supporting" if self.labelled else "is not labelled as supporting"
         place = f"{self.placement.relation} {self.placement.anchor}"
         return f"{self.entry} habit {self.habit + 1} {said} '{place}' (text: {self.score:.3f}): {self.text}"
 
@@ -166,7 +166,9 @@ def doubtful(
         DataError: the dataset has no labels.
     """
     if not dataset.labelled:
-        raise DataError(f"dataset '{dataset.name}' does not say which habit supports what; nothing can be doubted")
+        raise DataError(
+            f"dataset '{dataset.name}' does not say which habit supports what, so there are no labels to check"
+        )
     verifier = verifier or default_verifier()
     found: list[Doubt] = []
     for entry in filter(wanted, dataset.entries):

@@ -135,7 +135,9 @@ def _lines(path: Path, raw: bytes) -> list[str]:
         raise DataError(f"{path}:1: empty; expected entries that start with '# category | household'")
     if not text.endswith("\n"):
         count = text.count("\n") + 1
-        raise DataError(f"{path}:{count}: the last line has no end, so the file is cut off; restore or complete it")
+        raise DataError(
+            f"{path}:{count}: the last line has no line break, so the file is cut off; restore or complete it"
+        )
     return text.replace("\r\n", "\n").split("\n")[:-1]
 
 

@@ -84,17 +84,17 @@ def load_dataset_file(path: Path, categories: Collection[str] | None = None, *, 
     header = _header(path, lines[0])
     body = "\n".join(lines[1:])
     if sha256_bytes(body.encode()) != header["body_sha256"]:
-        raise DataError(f"{path}: its contents do not match their checksum; restore the file or build it anew")
+        raise DataError(f"{path}: its contents do not match their checksum; restore the file or build it again")
     rows = lines[1:-1]  # the text ends with a line break
     if len(rows) != header["entries"] + 1:
-        raise DataError(f"{path}: {len(rows) - 1} entries, the header says {header['entries']}; build it anew")
+        raise DataError(f"{path}: {len(rows) - 1} entries, the header says {header['entries']}; build it again")
     entries = tuple(_entry(row, f"{path}:{number}") for number, row in enumerate(rows[:-1], 2))
     if not verified:
         _check(path, entries, categories)
     try:
         verdicts = Verdicts.from_json(parse_json(rows[-1]))
     except (ValueError, LookupError, TypeError, AttributeError):
-        raise DataError(f"{path}:{len(rows) + 1}: not a list of verdicts; build the file anew") from None
+        raise DataError(f"{path}:{len(rows) + 1}: not a list of verdicts; build the file again") from None
     return HabitDataset(str(header["name"]), entries, labelled=bool(header["labelled"]), verdicts=verdicts)
 
 
@@ -106,7 +106,7 @@ def _lines(path: Path, *, verified: bool = False) -> list[str]:
     try:
         return unpack_xz(raw, _MAX_BYTES).decode("utf-8").split("\n")
     except (UnpackError, UnicodeDecodeError) as error:
-        raise DataError(f"{path}: not a whole dataset file ({error}); restore it or build it anew") from None
+        raise DataError(f"{path}: not a whole dataset file ({error}); restore it or build it again") from None
 
 
 def _header(path: Path, line: str) -> dict[str, Any]:
@@ -120,7 +120,7 @@ def _header(path: Path, line: str) -> dict[str, Any]:
         raise DataError(f"{path}:1: not the header of a habit dataset; expected a file of `habits build`") from None
     if found != (FORMAT, VERSION):
         other = brief(f"{found[0]} {found[1]}")
-        raise DataError(f"{path}:1: format {other}, expected {FORMAT} {VERSION}; build it anew")
+        raise DataError(f"{path}:1: format {other}, expected {FORMAT} {VERSION}; build it again")
     return cast(dict[str, Any], header)
 
 
@@ -145,7 +145,7 @@ def _entry(row: str, where: str) -> Entry:
         if not _usable(entry):
             raise ValueError(row)
     except (ValueError, TypeError):
-        raise DataError(f"{where}: not an entry of a habit dataset; build the file anew") from None
+        raise DataError(f"{where}: not an entry of a habit dataset; build the file again") from None
     return entry
 
 
@@ -158,7 +158,7 @@ def _check(path: Path, entries: tuple[Entry, ...], categories: Collection[str] |
         faults = _faults(entry, categories, anchors)
         fault = "another entry has this id" if entry.id in seen else next(filter(None, faults), None)
         if fault is not None:
-            raise DataError(f"{path}:{number}: entry '{brief(entry.id)}': {fault}; fix its text and build it anew")
+            raise DataError(f"{path}:{number}: entry '{brief(entry.id)}': {fault}; fix its text and build it again")
         seen.add(entry.id)
 
 

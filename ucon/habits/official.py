@@ -123,7 +123,7 @@ def official(path: Path | str, categories: Collection[str] | None = None) -> tup
     content, twice = load_release_file(file)
     report = ImportReport(file)
     for name in twice:
-        report.add(str(file), f"key '{brief(name)}' stands twice in one object; only the last one is read")
+        report.add(str(file), f"key '{brief(name)}' appears twice in one object; only the last one is read")
     entries: list[Entry] = []
     number: dict[tuple[str, str], int] = {}
     scenes: set[str] = set()
@@ -214,7 +214,7 @@ def _target(
     named = {parts[0] for text in locations if (parts := location_parts(text, categories))}
     if category is None and len(named) == 1 and named <= set(categories):
         report.add(
-            where, f"basic_object_name '{brief(told)}' is no category; its locations say '{min(named)}', read so"
+            where, f"basic_object_name '{brief(told)}' is no category; read as '{min(named)}', from its locations"
         )
         return min(named)
     report.add(where, f"unknown target category '{brief(target)}'")

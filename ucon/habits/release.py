@@ -53,9 +53,9 @@ def task_files(folder: Path) -> list[Path]:
 def release_warnings(folder: Path) -> list[str]:
     """One line for every task file that a folder lacks, and for every file that is not part of the release."""
     found = {path.relative_to(folder).as_posix() for path in _json_files(folder)}
-    lines = [f"{folder / name}: missing, the release has it" for name in TASK_FILES if name not in found]
+    lines = [f"{folder / name}: missing, though it is part of the release" for name in TASK_FILES if name not in found]
     if not any(name.startswith(f"{ORIGIN}/") for name in found):
-        lines.append(f"{folder / ORIGIN}: no *.json in it, the release has its raw files there")
+        lines.append(f"{folder / ORIGIN}: no *.json in it, where the release has its raw files")
     others = sorted(name for name in found - INDEX_FILES if not _is_task_file(name))
     return lines + [f"{folder / name}: not a file of the release, left out" for name in others]
 

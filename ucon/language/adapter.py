@@ -143,7 +143,7 @@ def read_adapter(path: Path, base_sha256: str) -> dict[str, Tensor]:
         base = metadata(raw, path).get(BASE_KEY)
         kinds = {kind for kind, _ in header(raw, path).values()}
         if odd := sorted(kinds - {"float16", "float32"}):
-            raise DataError(f"{path}: matrices of {odd[0]}, expected float16; train one anew")
+            raise DataError(f"{path}: matrices of {odd[0]}, expected float16; train it again")
         tensors = read_tensors(raw, path)
         check_finite(tensors, path)
     except DataError as error:

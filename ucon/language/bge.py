@@ -198,8 +198,8 @@ class BgeM3:
         first = torch.nn.functional.normalize(output["token_embeddings"][0, 0], dim=0)
         if not torch.allclose(first, output["sentence_embedding"][0], atol=1e-5):
             raise DataError(
-                f"{self.folder}: modules.json pools otherwise than by the first token with normalisation, as BGE-M3 "
-                f"does; {_HOW}"
+                f"{self.folder}: modules.json does not pool by the first token with normalisation, as BGE-M3 does; "
+                f"{_HOW}"
             )
 
     @cached_property
@@ -213,7 +213,7 @@ class BgeM3:
             state = torch.load(file, map_location="cpu", weights_only=True)
             found = {name: tuple(state[name].shape) for name in ("weight", "bias")}
         except Exception as error:
-            what = f"{file}: no linear layer's weight and bias ({type(error).__name__})"
+            what = f"{file}: not the weight and bias of a linear layer ({type(error).__name__})"
             raise DataError(f"{what}; restore it from {HUB_NAME}, or give retriever.sparse_weight=0") from None
         if found != {"weight": (1, self.dim), "bias": (1,)}:
             raise DataError(
@@ -239,11 +239,9 @@ def _check_modules(file: Path) -> None:
     try:
         kinds = [str(module["type"]) for module in read_json(file, _HOW)]
     except (LookupError, TypeError):
-        raise DataError(f"{file}: no list of modules with their types; {_HOW}") from None
+        raise DataError(f"{file}: not a list of modules with their types; {_HOW}") from None
     if odd := next((kind for kind in kinds if not kind.startswith("sentence_transformers.")), None):
-        raise DataError(
-            f"{file}: module of type {brief(odd)}, which is code of the folder's own and is not run; {_HOW}"
-        )
+        raise DataError(f"{file}: module of type {brief(odd)}, which is code from the folder and is not run; {_HOW}")
 
 
 def _settings(file: Path) -> dict[str, Any]:

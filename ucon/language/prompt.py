@@ -106,7 +106,9 @@ class Prompt:
             raise DataError(f"{self.source} [{part}]: {error}; write a plain brace as {{{{ or }}}}") from None
         for _, name, form, conversion in pieces:
             if name is not None and (not name.isidentifier() or form or conversion):
-                raise DataError(f"{self.source} [{part}]: slot {{{name}}} is no plain name; write {{{{}}}} for braces")
+                raise DataError(
+                    f"{self.source} [{part}]: slot {{{name}}} is not a plain name; write {{{{}}}} for braces"
+                )
         return frozenset(name for _, name, _, _ in pieces if name is not None)
 
     def system(self, **slots: object) -> str:

@@ -90,7 +90,7 @@ class VectorTable(Shared):
         try:
             vectors = np.load(stem.with_suffix(".npy"), mmap_mode="r", allow_pickle=False)
         except (ValueError, OSError, EOFError) as error:
-            raise DataError(f"{stem}.npy: no table of vectors ({brief(str(error))}); restore it") from None
+            raise DataError(f"{stem}.npy: not a table of vectors ({brief(str(error))}); restore it") from None
         return cls(keys, vectors)
 
     @staticmethod

@@ -39,7 +39,7 @@ class Asking(Shared):
         if life.habits_hash != dataset.sha256:
             raise EpisodeError(
                 f"life {life.id}: made with habits '{life.habits}' {life.habits_hash[:12]}, the dataset in use is "
-                f"'{dataset.name}' {dataset.sha256[:12]}; choose those habits or make the lives anew"
+                f"'{dataset.name}' {dataset.sha256[:12]}; choose those habits or make the lives again"
             )
         self.life, self.timeline = life, Timeline(life)
         self.dataset, self._told, self._stale = dataset, told, stale
@@ -101,7 +101,9 @@ class Asking(Shared):
         solver = Solver(world, self._eyes, self.house.n_instances + target, self._rules)
         solution = solver.solve(Pose(start.i, start.j, start.heading, self._rules.start_height, 0))
         if solution is None:
-            raise EpisodeError(f"life {life.id}, request {number}: cannot be met from node ({start.i}, {start.j})")
+            raise EpisodeError(
+                f"life {life.id}, request {number}: cannot be fulfilled from node ({start.i}, {start.j})"
+            )
         entry = self.dataset.entries[self.dataset.entry_number[life.entry_of(asked.possession, day, asked.user)]]
         names = tuple(name for name, _ in self.told_entries(day))
         return Episode(

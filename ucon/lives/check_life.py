@@ -118,7 +118,7 @@ def check_life_home(life: Any, house: House) -> None:
     if house.spec.hash != life.home_hash:
         raise EpisodeError(
             f"{where}: made for home {life.home_hash[:12]}, {life.scene} is now {house.spec.hash[:12]}; "
-            "make the lives anew (python -m ucon lives make)"
+            "make the lives again (python -m ucon lives make)"
         )
     places = [place for one in life.possessions for place in one.places]
     cells = [*life.fixed_blocked, *(cell for place in places for cell in place.blocked)]

@@ -196,7 +196,7 @@ class Life(Shared):
         try:
             if data.get("format") != FORMAT:
                 found = brief(repr(data.get("format")))
-                raise EpisodeError(f"{where}: life format {found}, expected {FORMAT}; make it anew")
+                raise EpisodeError(f"{where}: life format {found}, expected {FORMAT}; make it again")
             raw = {name: _frozen(value) for name, value in data.items() if name != "format"}
             raw["fixed"] = _rows(PlacedObject, raw["fixed"])
             raw["dock"] = Start(*raw["dock"])
@@ -206,7 +206,7 @@ class Life(Shared):
             check_life(life, where)
         except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
             raise EpisodeError(
-                f"{where}: not a usable life ({brief(str(error))}); restore or make the file anew"
+                f"{where}: not a usable life ({brief(str(error))}); restore or make the file again"
             ) from None
         return life
 

@@ -38,7 +38,7 @@ def _meeting(life: Life) -> Iterator[str]:
     boxes = [np.concatenate([object_boxes(place.object) for place in one.places]) for one in life.possessions]
     for (a, mine), (b, others) in combinations(enumerate(boxes), 2):
         if meet(mine, others):
-            yield f"places of {life.possessions[a].category} and {life.possessions[b].category} meet"
+            yield f"places of {life.possessions[a].category} and {life.possessions[b].category} overlap"
 
 
 def _strange_moves(life: Life, dataset: HabitDataset) -> Iterator[str]:
@@ -48,12 +48,12 @@ def _strange_moves(life: Life, dataset: HabitDataset) -> Iterator[str]:
         place = life.possessions[move.possession].places[move.place]
         if move.user < 0:
             if place.origins:
-                yield f"move {number}: a mistake to a place where the thing is kept"
+                yield f"move {number}: marked as a mistake, but to a place where the thing is kept"
             continue
         name = life.entry_of(move.possession, day, move.user)
         entry = dataset.entries[dataset.entry_number[name]]
         if not _may_be(life, move, place, entry):
-            yield f"move {number}: entry {name} names no such place then"
+            yield f"move {number}: entry {name} does not name this place at that time"
 
 
 def _may_be(life: Life, move: Move, place: Place, entry: Entry) -> bool:

@@ -131,7 +131,7 @@ def _times(value: Any, places: int, where: str) -> list[tuple[int, int]]:
         found.append((_time(row[0], where), row[1]))
     for before, after in pairwise(found):
         if after[0] < before[0]:
-            raise DataError(f"{where}: {_said(after[0])} after {_said(before[0])}; a clock goes forward, {_REMEDY}")
+            raise DataError(f"{where}: {_said(after[0])} after {_said(before[0])}; times must not go back; {_REMEDY}")
     return found
 
 

@@ -42,7 +42,7 @@ class MapMemory:
             ConfigError: it keeps no map.
         """
         if self.map is None or not self.map.views:
-            raise ConfigError(f"memory of {self.name}: this agent maps nothing that could be kept; leave memory= out")
+            raise ConfigError(f"memory of {self.name}: this agent keeps no map; leave memory= out")
 
     def act(self, action: int, observation: Observation) -> int:
         """The agent's action."""

@@ -75,7 +75,7 @@ class SightingsMemory(MapMemory):
         self._keep, self._given = (None if folder is None else Path(folder) for folder in (keep, given))
         if self._keep is not None:
             if self._given is not None and self._keep.resolve() == self._given.resolve():
-                raise ConfigError(f"memory: keep and given are both {brief(str(keep))}; choose another folder to keep")
+                raise ConfigError(f"memory: keep and given are both {brief(str(keep))}; choose another folder for keep")
             require_writable(self._keep / log_name(""))
         self._home: str | None = None
         self._model = model or PlaceModel()
@@ -139,8 +139,8 @@ class SightingsMemory(MapMemory):
             if self._given is not None:
                 self.log = load_log(self._given / log_name(self._home), self._home)
         if (last := self.log.last()) > self._time:
-            later = f"it is day {day}, and the memory goes on to day {last // N_SLOTS}"
-            raise DataError(f"life {self._home}: {later}; begin with an earlier one")
+            later = f"it is day {day}, but the memory reaches to day {last // N_SLOTS}"
+            raise DataError(f"life {self._home}: {later}; start with an earlier one")
         self._watching = Watching(self.log)
 
     def _unshared(self, info: Info) -> dict[str, Any]:

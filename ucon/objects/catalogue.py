@@ -116,7 +116,7 @@ def read_catalogue(path: Path) -> Catalogue:
         row = _parse(values, where)
         name = row[0].name
         if name in rows:
-            raise DataError(f"{where}: category '{name}' stands in the file twice; remove one of the rows")
+            raise DataError(f"{where}: category '{name}' is in the file twice; remove one of the rows")
         rows[name] = row
     if not rows:
         raise DataError(f"{path}:2: no categories; restore the file from the release")

@@ -72,12 +72,14 @@ class Counterfactuals:
     def __init__(self, config: dict[str, Any], out: Path, most: int, kinds: Collection[About] = ABOUT) -> None:
         self._out, self._most, self._kinds, source = out, most, kinds, config["env"]["source"]
         if source.get("edits") is not None:
-            raise ConfigError(f"edits={source['edits']}: of this run sentences were edited already; give one without")
+            raise ConfigError(
+                f"edits={source['edits']}: the habits of this run were edited already; give a run without edits"
+            )
         self._config = config | {"pictures": 0}
         whole = Evaluation(self._config, out / "told")
         if not whole.parts.uses_habits or whole.level not in _LEVELS:
             raise ConfigError(
-                f"{whole.label} at level {whole.level}: needs an agent that is told habits, at level "
+                f"{whole.label} at level {whole.level}: expected an agent that reads habits, at level "
                 f"{', '.join(_LEVELS)}"
             )
         self._level, self._source = whole.level, whole.source

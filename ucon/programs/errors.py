@@ -53,7 +53,7 @@ def run_entry(main: Callable[[], Any], config_name: str) -> None:
         return
     if odd := next((word for word in words if word.startswith("--") and word.partition("=")[0] not in _FLAGS), None):
         name = odd[2:].partition("=")[0]
-        _end(f"{odd}: options are given as name=value, such as agent=belief; {name}=... or see --help", USER_ERROR)
+        _end(f"{odd}: options are given as name=value, such as agent=belief; give {name}=... or see --help", USER_ERROR)
     os.environ.setdefault("HYDRA_FULL_ERROR", "1")  # otherwise Hydra prints its own message and exits
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
@@ -68,7 +68,8 @@ def run_entry(main: Callable[[], Any], config_name: str) -> None:
             raise
         if isinstance(error, OSError):
             _end(
-                f"{error.filename}: cannot be made ({error.strerror}); give out=FOLDER that can be written", USER_ERROR
+                f"{error.filename}: cannot be created ({error.strerror}); give out=FOLDER that can be written",
+                USER_ERROR,
             )
         _end(explain(error, _configs(), config_name, sys.argv[1:]), USER_ERROR)
     except KeyboardInterrupt as stop:
@@ -134,8 +135,8 @@ def _within(main: Callable[[], Any], error: BaseException) -> bool:
 
 def _what_is_kept(config_name: str) -> str:
     if config_name == "train":
-        return "what is saved is kept: resume=RUN goes on"
-    return "what is finished is kept: the same command with the same out= goes on"
+        return "what is saved is kept: resume=RUN continues"
+    return "what is finished is kept: the same command with the same out= continues"
 
 
 def explain(error: BaseException, configs: Path, config_name: str, words: Sequence[str] = ()) -> str:

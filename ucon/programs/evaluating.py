@@ -147,7 +147,7 @@ class Evaluation:
             return folder.summary
         if folder.damaged:
             print(
-                f"warning: {self.out}: {folder.damaged} damaged lines of what an interrupted run left; "
+                f"warning: {self.out}: an interrupted run left {folder.damaged} damaged lines; "
                 "their episodes are played again",
                 file=sys.stderr,
             )
@@ -171,7 +171,7 @@ class Evaluation:
                 progress.add(again)
                 if again.record != records[again.index]:
                     print(
-                        f"warning: {again.record.episode} went differently on its film",
+                        f"warning: {again.record.episode}: the filmed search differs from the recorded one",
                         file=sys.stderr,
                     )
 
@@ -247,7 +247,7 @@ def _memory(config: Any, *, resident: bool) -> Factory | None:
     if config is None:
         return None
     if not resident:
-        raise ConfigError("memory: only a robot that lives in a home remembers it; add task=resident")
+        raise ConfigError("memory: only a robot that lives in a home has one; add task=resident")
     check_arguments(config)
     return Factory(config)
 
@@ -267,7 +267,7 @@ def with_own_habits(config: dict[str, Any]) -> dict[str, Any]:
     source = env["source"]
     own = {"_target_": _FOLDER, "path": config["episodes"]} | ({} if task == PAPER.name else {"task": task})
     if source["dataset"] not in ({"_target_": _BOOK}, own):
-        raise ConfigError(f"habits: episodes={config['episodes']} says its own habits; leave habits= out")
+        raise ConfigError(f"habits: episodes={config['episodes']} has its own habits; leave out habits=")
     return config | {"habits": own, "env": env | {"source": source | {"dataset": own}}}
 
 

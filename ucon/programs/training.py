@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from omegaconf import DictConfig
 
 #: Advice about a stored configuration that cannot be used.
-_REMEDY = "restore it, or start the run anew"
+_REMEDY = "restore it, or start a new run"
 #: Options that do not change what is learned, only where and how a run is shown.
 NEUTRAL_OPTIONS = ("out", "resume", "runner", "progress", "wandb", "tensorboard")
 
@@ -69,7 +69,7 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
             raise ConfigError("out has no value; give out=FOLDER")
         _check(config, "configuration")
         if isinstance(config["training"], Mapping) and "extended" in config["training"]:
-            raise ConfigError("training.extended is of runs that go on; give resume=RUN training.steps=MORE")
+            raise ConfigError("training.extended is for resumed runs only; give resume=RUN training.steps=MORE")
         check_options(config, TRAINING)
         return ChosenRun(config, swept or Path(str(config["out"])))
     said = _said(word for word in overrides if word.startswith("++"))
@@ -78,7 +78,7 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
     odd = [word for word in overrides if word not in more and not {_option(word), _option(word).split(".")[0]} & known]
     if odd:
         raise ConfigError(
-            f"resume={cfg.resume}: a run goes on with its own configuration; leave out {' '.join(odd)} "
+            f"resume={cfg.resume}: a resumed run keeps its own configuration; leave out {' '.join(odd)} "
             "(training.steps=MORE extends it)"
         )
     path = Path(str(cfg.resume)).expanduser()
@@ -133,8 +133,8 @@ def _check_device(learner: Mapping[str, Any], resume: str) -> None:
             torch_device(device)
         except ConfigError:
             raise ConfigError(
-                f"resume={resume}: it began on learner.{name}={brief(device)}, which torch does not see here; go on "
-                "where it is, or start a run anew"
+                f"resume={resume}: it was started with learner.{name}={brief(device)}, which torch does not see here; "
+                "resume it where torch sees one, or start a new run"
             ) from None
 
 
@@ -164,7 +164,7 @@ def _check_agent(cfg: DictConfig, overrides: Sequence[str]) -> None:
         raise ConfigError(f"{target} has no policy that could be trained; choose an agent that has one, such as vtn")
     for word in overrides:
         if (option := _option(word)) in _OF_PLAYING:
-            raise ConfigError(f"{word}: {option} is of playing; give {_OF_PLAYING[option]}")
+            raise ConfigError(f"{word}: {option} is for playing only; give {_OF_PLAYING[option]}")
 
 
 def _stored(path: Path, raw: bytes, said: Mapping[str, Any]) -> dict[str, Any]:
@@ -181,7 +181,7 @@ def _stored(path: Path, raw: bytes, said: Mapping[str, Any]) -> dict[str, Any]:
     except ConfigError as error:
         raise DataError(f"{path}: {error}; {_REMEDY}") from None
     if allowed != config:
-        raise ConfigError(f"{path}: the run has other values than ++{', ++'.join(said)}; say those that it has")
+        raise ConfigError(f"{path}: the run has other values than ++{', ++'.join(said)}; give its own")
     return allowed
 
 

@@ -87,7 +87,7 @@ class AnchorPrior:
         except (ValueError, KeyError, TypeError) as error:
             raise DataError(f"{where}: no anchor prior ({str(error)[:80]}); train the head again") from None
         if not all(np.isfinite(array).all() for array in (dense, bias, relation)):
-            raise DataError(f"{where}: values that are no numbers; train the head again")
+            raise DataError(f"{where}: values that are not finite; train the head again")
         shapes = dense.shape[1:] == bias.shape == (len(names),) and relation.shape == (len(names), len(RELATIONS))
         if dense.ndim != 2 or not shapes:
             raise DataError(f"{where}: {dense.shape} for {len(names)} anchors; train the head again")

@@ -77,7 +77,7 @@ class SceneEvidence:
         self._number = {name: i for i, name in enumerate(self.known)}
         self._x = {name: np.asarray(arrays[name], np.float64) for name in ARRAYS if name not in ("anchors", "owners")}
         if odd := next((name for name, array in self._x.items() if not np.isfinite(array).all()), None):
-            raise DataError(f"{LAST}: {odd} holds values that are no numbers; train the head again")
+            raise DataError(f"{LAST}: {odd} holds values that are not finite; train the head again")
         d = len(self._x["turn"])
         shapes = {
             "added": (len(self.known), d),

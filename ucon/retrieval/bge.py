@@ -53,7 +53,7 @@ class BgeRetriever(Shared):
         if min(dense_weight, sparse_weight) < 0 or dense_weight + sparse_weight == 0:
             raise ConfigError(
                 f"retriever bge_m3: dense_weight={dense_weight}, sparse_weight={sparse_weight}; expected no negative "
-                "one and one above 0"
+                "weight and one above 0"
             )
         self.encoder = BgeM3(path, device=device)
         self._dense_weight, self._sparse_weight = dense_weight, sparse_weight

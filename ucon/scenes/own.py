@@ -69,13 +69,13 @@ def own_program(name: str) -> tuple[HomeProgram, int]:
         DataError: no such name, or it is not kept on this machine, or what is kept was altered.
     """
     if not _NAME.fullmatch(name):
-        raise DataError(f"home '{brief(name)}': expected own:<name>:<12 digits and letters>, as `home check` says")
+        raise DataError(f"home '{brief(name)}': expected own:<name>:<12 digits and letters>, as `home check` prints")
     text = _KNOWN.get(name) or _kept(name)
     try:
         data = parse_json(text)
         return program_of(name, data["program"]), int(data["seed"])
     except (ValueError, LookupError, TypeError):
-        raise DataError(f"home '{name}': what is kept of it is not usable; {_AGAIN}") from None
+        raise DataError(f"home '{name}': its stored copy is not usable; {_AGAIN}") from None
 
 
 def kept_names() -> tuple[str, ...]:
@@ -96,9 +96,9 @@ def _kept(name: str) -> str:
     try:
         text = read_bounded(_path(name), _MOST_BYTES).decode(errors="replace")
     except OSError:
-        raise DataError(f"home '{name}': one of somebody's own, not kept on this machine; {_AGAIN}") from None
+        raise DataError(f"home '{name}': made from a home file, not stored on this machine; {_AGAIN}") from None
     if _digest(text) != name.rpartition(":")[2]:
-        raise DataError(f"home '{name}': what is kept of it was altered; {_AGAIN}")
+        raise DataError(f"home '{name}': its stored copy was altered; {_AGAIN}")
     return text
 
 

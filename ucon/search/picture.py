@@ -124,7 +124,7 @@ def _going(searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64]) ->
         return "looks around"
     thing = _near_goal(searcher, known, mass)
     opens = ", to open it" if searcher.choice.opens else ""
-    return f"goes to: {words(thing)}{opens}" if thing else "goes to: what is not explored yet"
+    return f"goes to: {words(thing)}{opens}" if thing else "goes to: unexplored space"
 
 
 def _near_goal(searcher: Searcher, known: SemanticMap, mass: NDArray[np.float64]) -> str:

@@ -134,8 +134,8 @@ def _require_bullet(name: str) -> None:
         pack = user_pack()
         places = "the package and the cache" if pack is None else f"the package, {pack} and the cache"
         raise DataError(
-            f"home '{name}': not in {places}, and PyBullet, which builds homes, is missing here; where there is "
-            f"PyBullet, run `python -m ucon pack SET_OR_HOME --out FOLDER`, copy FOLDER and give UCON_PACK=FOLDER"
+            f"home '{name}': not in {places}, and PyBullet, which builds homes, is missing here; on a machine "
+            f"with PyBullet, run `python -m ucon pack SET_OR_HOME --out FOLDER`, copy FOLDER and give UCON_PACK=FOLDER"
         ) from None
 
 

@@ -28,10 +28,10 @@ def require_usable(house: House, told: object) -> None:
     """
     _require_spec(house.spec)
     if house.spec.hash != told:
-        raise ValueError("its content does not have the hash that it names")
+        raise ValueError("its content does not match its hash")
     origin, rooms = room_grid(house.spec)
     if house.grid.origin_xy != origin or not np.array_equal(house.grid.room, rooms):
-        raise ValueError("its map of rooms is not that of its rooms")
+        raise ValueError("its map of rooms does not match its rooms")
     if (house.grid.free & (rooms < 0)).any() or not house.grid.free.any():
         raise ValueError("free nodes outside all rooms, or none at all")
     if house.boxes.shape != (house.n_instances, 6) or not np.isfinite(house.boxes).all():
@@ -92,4 +92,4 @@ def _are_numbers(values: Any, count: int | None = None) -> bool:
 
 def _expect(right: bool, what: str) -> None:
     if not right:
-        raise ValueError(f"{what} cannot be right")
+        raise ValueError(f"{what} is invalid")

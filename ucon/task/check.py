@@ -23,7 +23,7 @@ def check_home(episode: Episode, house: House) -> None:
     if house.spec.hash != episode.home_hash:
         raise EpisodeError(
             f"{where}: made for home {episode.home_hash[:12]}, {episode.scene} is now {house.spec.hash[:12]}; "
-            "make the episodes anew (python -m ucon episodes make)"
+            "make the episodes again (python -m ucon episodes make)"
         )
     nx, ny = house.grid.shape
     for cell in ((episode.start.i, episode.start.j), *episode.arrangement.blocked):

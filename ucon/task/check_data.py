@@ -94,7 +94,7 @@ def expect(right: bool, where: str, what: str, found: Any, expected: str) -> Non
     """
     if not right:
         raise EpisodeError(
-            f"{where}: {what} {brief(repr(found))}, expected {expected}; restore or make the episodes anew"
+            f"{where}: {what} {brief(repr(found))}, expected {expected}; restore or make the episodes again"
         )
 
 

@@ -108,7 +108,7 @@ class Episode(Shared):
         try:
             if data.get("format") != FORMAT:
                 found = brief(repr(data.get("format")))
-                raise EpisodeError(f"{where}: episode format {found}, expected {FORMAT}; make it anew")
+                raise EpisodeError(f"{where}: episode format {found}, expected {FORMAT}; make it again")
             raw = dict(data)
             del raw["format"]
             change = raw.pop("arrangement")
@@ -129,7 +129,7 @@ class Episode(Shared):
             check_data(episode, where)
         except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
             raise EpisodeError(
-                f"{where}: not a usable episode ({brief(str(error))}); restore or make the file anew"
+                f"{where}: not a usable episode ({brief(str(error))}); restore or make the file again"
             ) from None
         return episode
 

@@ -77,7 +77,7 @@ class Expert:
             ConfigError: its rules have no grid.
         """
         self.rules = task_rules(episode.task)
-        self.rules.require_grid(f"episode {episode.id}: the expert knows shortest solutions on the grid")
+        self.rules.require_grid(f"episode {episode.id}: the expert needs shortest solutions on the grid")
         house = load_house(episode.scene)
         self._eyes = eyes or RasterRenderer()
         self._eyes.load(house, episode.arrangement)

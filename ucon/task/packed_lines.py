@@ -13,7 +13,7 @@ from ucon.core.untrusted.plain_file import read_bounded
 from ucon.core.untrusted.strict_json import JsonError, parse_json
 from ucon.core.untrusted.unpack import UnpackError, unpack_xz
 
-_REMEDY = "restore it or make it anew"
+_REMEDY = "restore it or make it again"
 
 
 def read_lines(path: Path, what: str, most: int) -> Iterator[tuple[Any, str]]:

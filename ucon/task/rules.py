@@ -99,7 +99,7 @@ class TaskRules(Shared):
             ConfigError: the robot moves continuously under these rules.
         """
         if self.continuous:
-            raise ConfigError(f"{what}, not for task={self.name}, where a robot moves continuously")
+            raise ConfigError(f"{what}, but with task={self.name} the robot moves continuously")
 
     @property
     def headings(self) -> int:

@@ -170,7 +170,9 @@ class HeadReader:
             prior = AnchorPrior.from_bytes(read_verified(path / PRIOR), names, str(path / PRIOR))
             parts = parts_with(prior, path if described.get("own_places") else None)
         if described.get("parts") != parts.sha256:
-            raise DataError(f"{path}: trained on other fitted parts than are shipped; train it again (learner=belief)")
+            raise DataError(
+                f"{path}: trained with different fitted parts than shipped; train it again (learner=belief)"
+            )
         return cls(head, parts, sha256_file(path / MANIFEST))
 
     @property

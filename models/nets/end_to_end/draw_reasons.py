@@ -80,10 +80,10 @@ def _intention_lines(why: Reasons, target: str, layers: Layers) -> list[Line]:
     if at is not None and np.hypot(at[0] - why.goal_xy[0], at[1] - why.goal_xy[1]) < _BY_M:
         where = f"the {words(target)}, which it saw,"
     else:
-        where = f"the {words(why.thing)}" if why.thing else "where it saw nothing yet"
+        where = f"the {words(why.thing)}" if why.thing else "unexplored space"
     likely = sorted(enumerate(why.actions), key=lambda action: -action[1])[:3]
     said = ", ".join(f"{words(Action(number).name.lower())} {p:.0%}" for number, p in likely if p > _LIKELY)
-    return [Line(f"goes to: {where} {why.goal_p:.0%}", GOAL), Line(f"inclines to: {said}", FAINT)]
+    return [Line(f"goes to: {where} {why.goal_p:.0%}", GOAL), Line(f"likely actions: {said}", FAINT)]
 
 
 def _target_at(layers: Layers) -> tuple[float, float] | None:

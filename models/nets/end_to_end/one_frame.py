@@ -37,7 +37,7 @@ def one_frame(observation: Mapping[str, Any], info: Mapping[str, Any], image_px:
     if "rgb" not in observation or "depth" not in observation:
         raise ConfigError("agent habit_policy_e2e: observations without images; give env.observe=pixels")
     if "detections" not in info:
-        raise ConfigError("agent habit_policy_e2e: no detections; give the environment a detector, as detector=gt")
+        raise ConfigError("agent habit_policy_e2e: no detections; give the environment a detector, such as detector=gt")
     depth = observation["depth"].reshape(observation["depth"].shape[:2])
     if depth.shape[0] % image_px or depth.shape[1] % image_px:
         sides = " x ".join(map(str, depth.shape))

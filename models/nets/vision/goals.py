@@ -54,7 +54,7 @@ class SentenceGoal:
             ConfigError: always.
         """
         raise ConfigError(
-            "the sentence encoder knows no images, and the goal is one; give CLIP: "
+            "the sentence encoder reads no images, but the goal is one; give CLIP: "
             "part=clip_goal agent.policy.goal.path=FOLDER"
         )
 

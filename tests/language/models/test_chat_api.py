@@ -224,7 +224,7 @@ def test_check_asks_for_the_models(model, monkeypatch):
             model(server.url).check()
     with socket.socket() as unused:
         unused.bind(("127.0.0.1", 0))
-        with pytest.raises(ServerError, match="see that the server runs"):
+        with pytest.raises(ServerError, match="check that the server is running"):
             model(f"http://127.0.0.1:{unused.getsockname()[1]}/v1").check()
 
 

@@ -103,6 +103,6 @@ def test_a_server_of_transformers(tmp_path):
             assert other.choice in range(-1, len(NAMES))
             assert other.failure == ("unusable" if other.choice < 0 else "")
             assert other.prompt_tokens > 0
-    with pytest.raises(ServerError, match="see that the server runs"):
+    with pytest.raises(ServerError, match="check that the server is running"):
         model().check()
     assert model().answer([asked])[0].choice == answer.choice  # kept on disk

@@ -103,7 +103,7 @@ def test_whole_habits_are_dropped_from_the_end(folder):
 def test_errors_say_what_to_do(folder, tmp_path):
     with pytest.raises(DataError, match=r"no such folder"):
         VisionModel(str(tmp_path / "nowhere")).check()
-    with pytest.raises(DataError, match=r"no processor of images|cannot be loaded"):
+    with pytest.raises(DataError, match=r"no processor for images|cannot be loaded"):
         VisionModel(str(save_causal(tmp_path / "blind"))).answer([question()])
     assert VisionModel(folder).check() is None
     assert VisionModel(folder).name == "vision (tiny-mllama)"

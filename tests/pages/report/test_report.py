@@ -179,4 +179,4 @@ def test_a_home_that_was_changed_since_is_refused(
     Path("my_home.yaml").write_text(home.replace("- mug", "- mug: on the desk"))
     assert Path("my_home.yaml").read_text() != home
     assert main(["report", str(folder), "--actions"]) == 2
-    assert "other episodes were played" in capsys.readouterr().err
+    assert "names other episodes than those played" in capsys.readouterr().err

@@ -66,7 +66,7 @@ def test_a_run_without_a_step_and_two_runs_are_refused(
     said = [line for line in capsys.readouterr().err.splitlines() if line.startswith("error: ")]
     assert len(said) == 3
     assert "give it alone" in said[0]
-    assert "nothing was learned yet" in said[1]
+    assert "no training step yet" in said[1]
     assert ":1: not a line of metrics" in said[2]
 
 

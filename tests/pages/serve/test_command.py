@@ -76,7 +76,7 @@ def test_what_was_done_survives_a_kill_and_ctrl_c_ends_it(tmp_path: Path) -> Non
         process.send_signal(signal.SIGINT)
         told, wrong = process.communicate(timeout=30)
         assert process.returncode == 0, wrong
-        assert told.endswith("ended; the same command goes on\n")
+        assert told.endswith("ended; the same command continues\n")
         assert wrong == ""
     assert (out / "play/ann/mini-none-1/journal.jsonl").read_text().count("\n") == len(episode.solution) - 1
 

@@ -114,7 +114,7 @@ def test_a_search_by_buttons_is_left_and_gone_on_with(browser_page: Any, served:
     page.click("[data-action='0']")
     page.wait_for_function("() => document.querySelector('.status b.figure').textContent === '299'")
     page.click("text=Leave")
-    page.click("text=Go on")
+    page.click("text='Continue'")
     page.wait_for_selector(".pad")
     assert steps_left(page) == 299
     page.click("[data-action='6']")
@@ -130,7 +130,7 @@ def test_a_study_to_its_export(browser_page: Any, served: Served, capsys: Any) -
     page.goto(f"{served.address}study")
     page.fill("#study-name", "one")
     page.fill("#study-n", "6")
-    page.click("text=Draw it")
+    page.click("text=Create the study")
     for rater, answers in (("ann", "4y5n3u2y1n5y"), ("bob", "4y4n3u3y2n4n")):
         page.fill("#rater", rater)
         page.click("[aria-label='Answer one']")
@@ -144,11 +144,11 @@ def test_a_study_to_its_export(browser_page: Any, served: Served, capsys: Any) -
                 page.wait_for_selector("input[name=real]:checked")
             page.keyboard.press(answers[2 * number + 1])
             page.keyboard.press("Enter")
-        assert "All is answered" in seen(page, "#thanks")
+        assert "All items are answered" in seen(page, "#thanks")
         with page.expect_download() as loading:
             page.click("text=Your sheet")
         loading.value.save_as(served.out / f"{rater}.csv")
-        page.click("text=To the studies")
+        page.click("text=Back to the studies")
     page.click("[aria-label='Figures of one']")
     assert "2 raters, 6 items" in seen(page, "#figures")
     alpha = page.inner_text("tr:has-text('alpha, look') td >> nth=1")
@@ -171,7 +171,7 @@ def test_an_answer_is_of_whoever_gave_it(browser_page: Any, served: Served) -> N
     page.goto(f"{served.address}study")
     page.fill("#study-name", "one")
     page.fill("#study-n", "4")
-    page.click("text=Draw it")
+    page.click("text=Create the study")
     page.fill("#rater", "ann")
     page.click("[aria-label='Answer one']")
     page.wait_for_selector("#habit")
@@ -287,7 +287,7 @@ def test_hostile_text_in_a_study(browser_page: Any, listener: Listening, tmp_pat
     page.goto(f"{served.address}study")
     page.fill("#study-name", "one")
     page.fill("#study-n", "9")
-    page.click("text=Draw it")
+    page.click("text=Create the study")
     page.fill("#rater", "ann")
     page.click("[aria-label='Answer one']")
     shown = set()
@@ -296,7 +296,7 @@ def test_hostile_text_in_a_study(browser_page: Any, listener: Listening, tmp_pat
         page.keyboard.press("3")
         page.keyboard.press("n")
         page.keyboard.press("Enter")
-    assert "All is answered" in seen(page, "#thanks")
+    assert "All items are answered" in seen(page, "#thanks")
     assert any("<script>" in text for text in shown)
     assert any("\u2407" in text for text in shown)
     assert page.locator("main img, main script").count() == 0
@@ -325,7 +325,7 @@ def test_runs_are_shown_while_they_grow(browser_page: Any, listener: Listening, 
     page.wait_for_function("() => document.getElementById('progress').textContent === '3 steps'")
     assert "loss: 1.5 at step 3" in (page.get_attribute("svg.chart", "aria-label") or "")
     with page.context.expect_page() as opening:
-        page.click("text=Its report")
+        page.click("text=Open the report")
     report = opening.value
     report.wait_for_load_state()
     assert report.title() == "a report"
@@ -358,7 +358,7 @@ def test_who_plays_under_anothers_name_is_told(browser_page: Any, served: Served
     for page in (first, second):
         page.click("[data-action='1']")
         page.wait_for_function("() => document.querySelector('.status b.figure').textContent === '299'")
-    second.wait_for_function("() => document.querySelector('.message').textContent.includes('somebody else plays')")
+    second.wait_for_function("() => document.querySelector('.message').textContent.includes('else is playing')")
     assert first.inner_text(".message") == ""
     second.close()
 

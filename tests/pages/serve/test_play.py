@@ -75,7 +75,7 @@ def test_effects_are_told(client: TestClient) -> None:
         state = act(client, game, state, digit)
         said.append(state["view"]["effect"])
     assert said == [
-        "Went 0.25 m ahead.", "Turned right.", "Turned left.", "Looked up.", "Looked up.", "Cannot look further up.",
+        "Moved 0.25 m ahead.", "Turned right.", "Turned left.", "Looked up.", "Looked up.", "Cannot look further up.",
         "Nothing to open in view within 1 m.",
     ]  # fmt: skip
     state = act(client, game, state, "44")
@@ -133,7 +133,7 @@ def test_a_run_goes_on_in_another_server_and_is_compared(tmp_path: Path, capsys:
         lost = client.get("/api/play/result", params={"game": game, "episode": episodes[1].id}).json()
         assert not lost["success"]
         assert lost["why"].startswith(
-            f"You said Found it at step 2, but the {lost['target']} was not in view and near."
+            f"You said Found it at step 2, but the {lost['target']} was not in view within reach."
         )
         again, _ = begin(client)
         assert again == f"{game}-2"  # a finished run stays as it is
@@ -217,7 +217,7 @@ def test_games_are_had_while_another_is_opened(tmp_path: Path, monkeypatch: pyte
     may.set()
     opening.join(60)
     game, error = said
-    assert error == "the server ends; start it again and go on"
+    assert error == "the server is shutting down; start it again and continue"
     with pytest.raises(ConfigError, match="was left"):  # not: all searches are done
         game.state()
 

@@ -120,5 +120,5 @@ def test_nothing_is_begun_when_the_server_has_ended(
     as_python(f"touch {tmp_path}/begun")
     maker = ReportMaker()
     maker.close()
-    assert fault(maker, trained) == "the server has ended"
+    assert fault(maker, trained) == "the server has stopped"
     assert not (tmp_path / "begun").exists()

@@ -15,9 +15,9 @@ _ACTIONS = {
     "import": (habits_import, "read the official release and try every location in PyBullet"),
     "propose": (habits_propose, "let a language model propose new entries"),
     "build": (habits_build, "make the dataset file: propose, validate, verify"),
-    "stats": (habits_stats, "variety, placements, homes and retrieval in figures and pictures"),
-    "show": (habits_show, "a category's entries, or who lives in a scene, for reading"),
-    "survey": (habits_survey, "make rating sheets for people, score the returned ones"),
+    "stats": (habits_stats, "measure variety, placements, homes and retrieval, and draw them"),
+    "show": (habits_show, "print a category's entries, or the households of a scene"),
+    "survey": (habits_survey, "make rating sheets for people, and score the returned ones"),
 }
 
 

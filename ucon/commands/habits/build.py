@@ -19,15 +19,15 @@ _SHOWN = 20
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the action's options to its parser."""
     parser.add_argument("--book", metavar="FOLDER", help="files in the habit book's format; default: the embedded book")
-    parser.add_argument("--out", metavar="FILE", help="file to write; default, without --book: the shipped one")
-    parser.add_argument("--work", metavar="FOLDER", help="keeps finished work; default: the user's cache")
-    parser.add_argument("--doubts", metavar="FILE", help="write the labels that the verifier doubts, one a line")
+    parser.add_argument("--out", metavar="FILE", help="file to write; default, without --book: the shipped dataset")
+    parser.add_argument("--work", metavar="FOLDER", help="folder for finished work; default: the user's cache")
+    parser.add_argument("--doubts", metavar="FILE", help="write the labels that the verifier doubts, one per line")
     parser.add_argument(
         "--verifier",
         metavar="MODEL",
         help="a chat model on this machine that verifies in place of the fitted verifier: smollm2, or a folder",
     )
-    parser.add_argument("--workers", type=int, default=2, help="processes (default 2); changes no byte of the result")
+    parser.add_argument("--workers", type=int, default=2, help="processes (default 2); the result stays the same")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
@@ -55,9 +55,11 @@ def run(args: argparse.Namespace) -> int:
     from ucon.language.store import write_manifest_of
 
     if args.book and not args.out:
-        raise ConfigError("--book without --out: the shipped dataset is of the embedded book; give --out FILE")
+        raise ConfigError("--book without --out: the shipped dataset is made from the embedded book; give --out FILE")
     if args.verifier and not args.out:
-        raise ConfigError("--verifier without --out: the shipped dataset has the fitted verifier; give --out FILE")
+        raise ConfigError(
+            "--verifier without --out: the shipped dataset is made with the fitted verifier; give --out FILE"
+        )
     out = Path(args.out).expanduser() if args.out else BOOK_FILE
     book = existing(args.book, "--book") if args.book else BOOK_FOLDER
     doubts = Path(args.doubts).expanduser() if args.doubts else None
@@ -110,7 +112,7 @@ def _print(figures: dict[str, Any], doubts: Sequence[str]) -> None:
     for name, value in figures.items():
         print(f"{name:<10} {value}")
     if doubts:
-        print("labels that the text does not bear out, for a person to read:")
+        print("labels that the text does not support, for a person to check:")
     for line in doubts[:_SHOWN]:
         print(f"  {line}")
     if len(doubts) > _SHOWN:

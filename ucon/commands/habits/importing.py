@@ -49,9 +49,9 @@ class Imported:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the action's options to its parser."""
     parser.add_argument("path", metavar="PATH", help="task file, or the folder that holds it")
-    parser.add_argument("--all", action="store_true", help="PATH is a folder: every task file in it")
-    parser.add_argument("--static", action="store_true", help="judge locations by shapes alone, in a second")
-    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes (default: one a core)")
+    parser.add_argument("--all", action="store_true", help="read every task file in the folder PATH")
+    parser.add_argument("--static", action="store_true", help="judge locations by shapes only, within a second")
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes (default: one per core)")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
@@ -88,7 +88,7 @@ def run(args: argparse.Namespace) -> int:
 def _known(folder: Path) -> str:
     from ucon.habits.release import DEFAULT_FILE
 
-    return f"{DEFAULT_FILE} and others (here are {sum(1 for _ in folder.iterdir())} other things)"
+    return f"{DEFAULT_FILE} and others (this one holds {sum(1 for _ in folder.iterdir())} other files)"
 
 
 def _all(folder: Path, files: Sequence[Path], warnings: list[str], args: argparse.Namespace) -> int:

@@ -14,18 +14,24 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the action's options to its parser."""
-    parser.add_argument("categories", metavar="CATEGORY[=COUNT]", nargs="+", help="what to write about, and how often")
-    parser.add_argument("--out", metavar="FILE", required=True, help="text file in the book's format; goes on with it")
-    parser.add_argument("--server", metavar="URL", required=True, help="such as http://127.0.0.1:8000/v1")
+    parser.add_argument(
+        "categories", metavar="CATEGORY[=COUNT]", nargs="+", help="what to write about, and how many entries"
+    )
+    parser.add_argument(
+        "--out", metavar="FILE", required=True, help="text file in the book's format; extended if it exists"
+    )
+    parser.add_argument("--server", metavar="URL", required=True, help="its address, such as http://127.0.0.1:8000/v1")
     parser.add_argument("--model", required=True, help="name of the model as the server knows it")
     parser.add_argument("--api-key-env", metavar="NAME", default="", help="environment variable that holds the key")
     parser.add_argument("--kind", help="office, shop, restaurant or garden; default: any home")
-    parser.add_argument("--rounds", type=int, default=3, help="how often an entry may be corrected (default 3)")
+    parser.add_argument("--rounds", type=int, default=3, help="times that an entry may be corrected (default 3)")
     parser.add_argument("--seed", type=int, default=0, help="another seed asks for other entries")
-    parser.add_argument("--temperature", type=float, default=0.7, help="of the sampling (default 0.7)")
-    parser.add_argument("--max-tokens", type=int, default=4096, help="longest answer (default 4096)")
-    parser.add_argument("--timeout", type=float, default=180, metavar="SECONDS", help="of one attempt (default 180)")
-    parser.add_argument("--attempts", type=int, default=6, help="how often a question is sent at most (default 6)")
+    parser.add_argument("--temperature", type=float, default=0.7, help="sampling temperature (default 0.7)")
+    parser.add_argument("--max-tokens", type=int, default=4096, help="most tokens in an answer (default 4096)")
+    parser.add_argument(
+        "--timeout", type=float, default=180, metavar="SECONDS", help="time limit of an attempt (default 180)"
+    )
+    parser.add_argument("--attempts", type=int, default=6, help="most times that a question is sent (default 6)")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
@@ -87,6 +93,6 @@ def _wish(text: str, kind: str | None) -> EntryWish:
     category, _, count = text.partition("=")
     if count and (not count.isdecimal() or len(count) > 6):
         raise ConfigError(
-            f"'{brief(text)}': '{brief(count)}' is no number up to 999999; expected CATEGORY or CATEGORY=COUNT"
+            f"'{brief(text)}': '{brief(count)}' is not a number up to 999999; expected CATEGORY or CATEGORY=COUNT"
         )
     return EntryWish(category, int(count or 1), kind)

@@ -19,8 +19,8 @@ _SHOWN_ABSENT = 12
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the action's options to its parser."""
     parser.add_argument("name", metavar="CATEGORY|SCENE", help="a target category (mug), or a home (Rs_int, Rs_int~3)")
-    parser.add_argument("--category", metavar="NAME", help="of a scene: only this category, with its habits")
-    parser.add_argument("--seed", type=int, default=0, help="of a scene: other people live there (default 0)")
+    parser.add_argument("--category", metavar="NAME", help="with a scene: show only this category, with its habits")
+    parser.add_argument("--seed", type=int, default=0, help="with a scene: another seed, other residents (default 0)")
     parser.add_argument("--habits", metavar="PATH", help="dataset file, task file or book folder; default: the book")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
@@ -106,7 +106,7 @@ def _scene(args: argparse.Namespace, dataset: HabitDataset) -> dict[str, Any]:
     everybody = residents(house, dataset, args.seed)
     if args.category and args.category not in {one.category for one in everybody}:
         known = [one.category for one in everybody]
-        raise ConfigError(unknown_name(f"category of those who live in {args.name}", args.category, known))
+        raise ConfigError(unknown_name(f"category of the residents of {args.name}", args.category, known))
     rows = []
     for one in everybody:
         if args.category not in (None, one.category):
@@ -160,7 +160,7 @@ def _print_entry(console: Console, entry: dict[str, Any], *, with_habits: bool =
         if place["context"]:
             line.append(f" {{{place['context']}}}", "italic")
         if with_habits and entry["habits"][0]["supports"] is not None and not any(number in s for s in supports):
-            line.append("  no habit tells", "dim")
+            line.append("  no habit points to it", "dim")
         if reason := place.get("reason") or place["implausible"]:
             line.append(f"  not here: {reason}" if "realisable" in place else f"  nowhere: {reason}", "bold red")
         elif place.get("imported"):

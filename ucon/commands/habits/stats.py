@@ -17,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "path", metavar="PATH", nargs="?", help="dataset file, task file or book folder; default: the embedded book"
     )
-    parser.add_argument("--beside", metavar="PATH", help="another dataset, measured beside it (the official release)")
+    parser.add_argument("--beside", metavar="PATH", help="another dataset to compare with (the official release)")
     parser.add_argument("--plots", metavar="FOLDER", type=Path, help="draw the figures as PNG files into a folder")
     parser.add_argument("--json", action="store_true", help="print JSON")
 

@@ -14,12 +14,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     steps = parser.add_subparsers(dest="step", metavar="STEP", required=True)
     make = steps.add_parser("make", help="draw a rating sheet (CSV and HTML) and its key")
     make.add_argument("--out", type=Path, required=True, metavar="FILE.csv", help="sheet to write")
-    make.add_argument("--n", type=int, default=60, help="items, one a category (default 60)")
-    make.add_argument("--seed", type=int, default=0, help="another seed, other items (default 0)")
+    make.add_argument("--n", type=int, default=60, help="items, one per category (default 60)")
+    make.add_argument("--seed", type=int, default=0, help="another seed draws other items (default 0)")
     make.add_argument("--habits", metavar="PATH", help="dataset file or book folder; default: the book")
     score = steps.add_parser("score", help="score returned sheets")
-    score.add_argument("key", type=Path, metavar="KEY.csv", help="the key that was written beside the sheet")
-    score.add_argument("sheets", type=Path, nargs="+", metavar="SHEET.csv", help="filled-in sheets, one a rater")
+    score.add_argument("key", type=Path, metavar="KEY.csv", help="the key that was written with the sheet")
+    score.add_argument("sheets", type=Path, nargs="+", metavar="SHEET.csv", help="filled-in sheets, one per rater")
     for step in (make, score):
         step.add_argument("--json", action="store_true", help="print JSON")
 
@@ -50,7 +50,7 @@ def _make(args: argparse.Namespace) -> int:
     sheet = args.out.expanduser()
     if sheet.suffix != ".csv":
         raise ConfigError(
-            f"--out {args.out}: expected a name ending in .csv; the page and the key are written beside it"
+            f"--out {args.out}: expected a name ending in .csv; the page and the key are written next to it"
         )
     items = draw_items(load_dataset(args.habits), args.n, args.seed)
     page, key = sheet.with_suffix(".html"), sheet.with_suffix(".key.csv")
@@ -74,7 +74,7 @@ def _score(args: argparse.Namespace) -> int:
 
     names = [path.stem for path in args.sheets]
     if twice := sorted({name for name in names if names.count(name) > 1}):
-        raise ConfigError(f"two sheets are called '{twice[0]}'; a rater is named after the file, rename one")
+        raise ConfigError(f"two sheets are called '{twice[0]}'; raters are named after their files, rename one")
     key = read_key(args.key)
     answers = [answer for path in args.sheets for answer in read_sheet(path, key)]
     figures = score_survey(key, answers)

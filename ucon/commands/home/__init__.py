@@ -8,8 +8,8 @@ from ucon.commands.home import check as home_check
 from ucon.commands.home import new as home_new
 
 _ACTIONS = {
-    "new": (home_new, "write an example to begin with: a flat of two rooms, three sentences, one lost mug"),
-    "check": (home_check, "say what is built of a home file, what finds no place, and where things are"),
+    "new": (home_new, "write an example to start from: a flat of two rooms, three sentences, one lost mug"),
+    "check": (home_check, "show what is built from a home file, what finds no place, and where things are"),
 }
 
 

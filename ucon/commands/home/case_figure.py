@@ -8,14 +8,14 @@ from pathlib import Path
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add ``--figure`` and its options to the parser of ``cases``."""
-    figure = parser.add_argument_group("figures of the two cases of the shipped homes, instead of a run")
+    figure = parser.add_argument_group("draw the two cases of the shipped homes, instead of reading a run")
     figure.add_argument(
         "--figure", nargs="?", const=Path("runs/cases_shown"), type=Path, metavar="FOLDER",
         help="play case_book and case_newspaper without and with habits, and draw each (runs/cases_shown)",
     )  # fmt: skip
-    figure.add_argument("--agent", default="belief", help="who searches, a file of configs/agent/ (belief)")
+    figure.add_argument("--agent", default="belief", help="agent that searches, a file in configs/agent/ (belief)")
     figure.add_argument(
-        "--task", default="real_robot", help="rules of the search, a file of configs/task/ (real_robot)"
+        "--task", default="real_robot", help="rules of the search, a file in configs/task/ (real_robot)"
     )
 
 

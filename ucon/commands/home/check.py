@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "file",
         type=Path,
         metavar="FILE.yaml",
-        help="the home; `home new FILE.yaml` writes one, and robot_flat is shipped",
+        help="home file; `home new FILE.yaml` writes one, and robot_flat is shipped",
     )
     parser.add_argument("--plan", type=Path, metavar="FILE.png", help="draw the floor plan into a picture")
     parser.add_argument(
@@ -90,7 +90,7 @@ def run(args: argparse.Namespace) -> int:
     sys.stdout.flush()
     _warn(missing)
     if placed:
-        print(f"\nSearch it: python eval.py agent=belief habit_level=retrieval episodes={args.file}")
+        print(f"\nTo search it: python eval.py agent=belief habit_level=retrieval episodes={args.file}")
     return 0
 
 
@@ -142,7 +142,7 @@ def _request(one: Placed, rooms: list[str]) -> dict[str, Any]:
 
 def _lines(found: dict[str, Any]) -> Iterator[str]:
     """The same in words."""
-    yield f"{found['home']}: a {found['kind']} of {found['area_m2']:g} m2, by name {found['name']}"
+    yield f"{found['home']}: a {found['kind']} of {found['area_m2']:g} m2, named {found['name']}"
     for room in found["rooms"]:
         things = ", ".join(_counted(one, n) for one, n in room["furniture"].items() if one not in _OF_EVERY_ROOM)
         width, length = room["size_m"]
@@ -153,10 +153,12 @@ def _lines(found: dict[str, Any]) -> Iterator[str]:
         chance = one["chance_by_habits"]
         name = one["target"].replace("_", " ")
         read = (
-            "" if chance is None else f", as your habits are read ({100 * chance:.0f} %; if not, say `{name}: PLACE`)"
+            ""
+            if chance is None
+            else f", as read from your habits ({100 * chance:.0f} %; if wrong, add `{name}: PLACE`)"
         )
         ways = ", ".join(f"{length:g}" for length in one["shortest_path_m"])
-        yield f"{name}: {one['place']} in the {one['room']}{read}; shortest way {ways} m"
+        yield f"{name}: {one['place']} in the {one['room']}{read}; shortest path {ways} m"
         yield from (f'  "{text}"' for text in one["habits"])
 
 

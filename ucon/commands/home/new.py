@@ -9,7 +9,7 @@ from pathlib import Path
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the action's options to its parser."""
-    parser.add_argument("file", type=Path, metavar="FILE.yaml", help="where to; what is there already is not changed")
+    parser.add_argument("file", type=Path, metavar="FILE.yaml", help="file to write; an existing file is left alone")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -31,7 +31,7 @@ def run(args: argparse.Namespace) -> int:
     if not is_home_file(args.file):
         raise ConfigError(f"{args.file}: expected a name that ends in .yaml")
     if args.file.exists():
-        raise ConfigError(f"{args.file}: is there already; give another name, or remove it")
+        raise ConfigError(f"{args.file}: exists already; give another name, or remove it")
     write_atomic(args.file, EXAMPLE.read_bytes())
     print(f"{args.file}: a flat of two rooms, three sentences and one lost mug; change what you like, then")
     print(f"  python -m ucon home check {args.file}")

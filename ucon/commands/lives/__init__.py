@@ -14,8 +14,8 @@ _ACTIONS = {
     "make": (lives_make, "make, check and write a set"),
     "sets": (lives_sets, "list the sets"),
     "verify": (lives_verify, "check places, moves and every request"),
-    "known": (lives_known, "how well robots came to know their households: habits found out, tomorrow's places"),
-    "table": (lives_table, "SR and SPL of runs of lives, by day and by what the robot could know"),
+    "known": (lives_known, "measure how well robots came to know their households: habits inferred, places predicted"),
+    "table": (lives_table, "print SR and SPL of runs of lives, by day and by what the robot could know"),
 }
 
 

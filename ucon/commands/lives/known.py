@@ -11,9 +11,9 @@ from pathlib import Path
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the action's options to its parser."""
     parser.add_argument("lives", metavar="SET", help="set of lives, or a file")
-    parser.add_argument("kept", metavar="FOLDER", type=Path, help="folder that memory.keep= wrote")
-    parser.add_argument("--show", type=int, default=5, help="sentences to show of each life (default 5)")
-    parser.add_argument("--json", action="store_true", help="all figures as JSON")
+    parser.add_argument("kept", metavar="FOLDER", type=Path, help="folder written by memory.keep=")
+    parser.add_argument("--show", type=int, default=5, help="sentences to show for each life (default 5)")
+    parser.add_argument("--json", action="store_true", help="print all figures as JSON")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -46,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
         return 0
     Console().print(known_table(f"{len(lives)} lives of {args.lives}", known))
     if drift.lives:
-        Console().print(drift_table(f"where things are whose habits changed, {len(drift.lives)} lives", drift))
+        Console().print(drift_table(f"places of things whose habits changed, {len(drift.lives)} lives", drift))
     for life_id, text, right in shown:
         sys.stdout.write(f"{life_id}  {'' if right else '(no habit) '}{text}\n")
     return 0

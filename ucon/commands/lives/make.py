@@ -14,15 +14,15 @@ from pathlib import Path
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the action's options to its parser."""
     parser.add_argument("name", metavar="SET", help="lives_mini, lives_val, lives_test, lives_long, lives_train")
-    parser.add_argument("--out", type=Path, help="file to write; default: where the set is looked for")
-    parser.add_argument("--limit", type=int, help="only the first so many lives")
+    parser.add_argument("--out", type=Path, help="file to write (default: where the set is loaded from)")
+    parser.add_argument("--limit", type=int, help="make only this many lives, from the first")
     parser.add_argument("--workers", type=int, default=2, help="processes (default 2)")
     parser.add_argument(
         "--ray",
         nargs="?",
         const="",
         metavar="ADDRESS",
-        help="make them on a Ray cluster: host:port or auto; without ADDRESS one on this machine",
+        help="make them on a Ray cluster: host:port or auto; without ADDRESS, one on this machine",
     )
 
 
@@ -40,7 +40,7 @@ def run(args: argparse.Namespace) -> int:
     from ucon.lives.sets import DATA, SUFFIX, check_suffix, save_lives
 
     if args.limit is not None and args.limit < 1:
-        raise ConfigError(f"--limit {args.limit}: expected lives, from 1 up")
+        raise ConfigError(f"--limit {args.limit}: expected a whole number from 1 up")
     if args.out is None and args.limit is not None:
         raise ConfigError(f"--limit without --out: set '{args.name}' itself would be replaced; give --out FILE")
     if args.name == ENDLESS and args.limit is None:

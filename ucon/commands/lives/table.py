@@ -13,8 +13,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the action's options to its parser."""
     parser.add_argument("runs", metavar="RUN", nargs="+", type=Path, help="folder of a finished run")
     form = parser.add_mutually_exclusive_group()
-    form.add_argument("--markdown", action="store_true", help="one table of SPL, a column a run")
-    form.add_argument("--json", action="store_true", help="all figures as JSON")
+    form.add_argument("--markdown", action="store_true", help="print one table of SPL, with a column per run")
+    form.add_argument("--json", action="store_true", help="print all figures as JSON")
 
 
 def run(args: argparse.Namespace) -> int:

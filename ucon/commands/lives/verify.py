@@ -37,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
                 bar.update(number)
         for line in problems[:_SHOWN]:
             sys.stderr.write(f"  {line}\n")
-        found = f"{len(problems)} things do not hold" if problems else f"all {len(lives)} lives hold"
+        found = f"{len(problems)} problems" if problems else f"all {len(lives)} lives verified"
         sys.stderr.write(f"{name}: {found}\n")
         worst = max(worst, int(bool(problems)))
     return worst

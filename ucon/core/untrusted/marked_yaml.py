@@ -176,7 +176,7 @@ class _Reader:
             at = self._where(event)
             key = self._value(event, depth + 1).value if isinstance(event, yaml.ScalarEvent) else None
             if not isinstance(event, yaml.ScalarEvent) or not event.value.strip() or isinstance(key, bool):
-                raise DataError(f"{at}: a key that is no text; expected name: value")
+                raise DataError(f"{at}: a key that is not text; expected name: value")
             if event.value in found:
                 raise DataError(f"{at}: '{brief(event.value)}' is there twice (first at {keys[event.value]}); keep one")
             keys[event.value] = at

@@ -56,7 +56,7 @@ def _opened(path: Path) -> Iterator[BinaryIO]:
     try:
         mode = os.fstat(handle).st_mode
         if not stat.S_ISREG(mode):
-            raise OSError(errno.EISDIR if stat.S_ISDIR(mode) else errno.EINVAL, f"{_kind(mode)}, no file", str(path))
+            raise OSError(errno.EISDIR if stat.S_ISDIR(mode) else errno.EINVAL, f"{_kind(mode)}, not a file", str(path))
         with os.fdopen(handle, "rb", closefd=False) as file:
             yield file
     finally:

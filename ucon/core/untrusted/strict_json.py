@@ -118,12 +118,12 @@ def _whole(digits: str) -> int:
 
 def _finite(digits: str) -> float:
     if not math.isfinite(number := float(digits)):
-        raise JsonError(f"the number {brief(digits)}, expected one that is finite")
+        raise JsonError(f"the number {brief(digits)}, expected a finite one")
     return number
 
 
 def _no_constant(name: str) -> Any:
-    raise JsonError(f"{name}, expected numbers that are finite")
+    raise JsonError(f"{name}, expected finite numbers")
 
 
 _FIRST: Final = json.JSONDecoder(parse_int=_whole, parse_float=_finite, parse_constant=_no_constant)
@@ -136,7 +136,7 @@ def _object(twice: list[str] | None) -> Callable[[list[tuple[str, Any]]], dict[s
             names = [name for name, _ in pairs]
             again = sorted({name for name in names if names.count(name) > 1})
             if twice is None:
-                raise JsonError(f"the key '{brief(again[0])}' twice in one object")
+                raise JsonError(f"the key '{brief(again[0])}' occurs twice in one object")
             twice.extend(again)
         return found
 
@@ -164,4 +164,4 @@ def _require_whole_characters(value: Any) -> None:
     try:
         json.dumps(value, ensure_ascii=False).encode()
     except UnicodeEncodeError:
-        raise JsonError("half of a character (a lone surrogate), expected whole ones") from None
+        raise JsonError("half a character (a lone surrogate), expected whole characters") from None

@@ -148,7 +148,7 @@ def _int(value: Any) -> int:
 
 def _float(value: Any) -> float:
     if type(value) is not float or not math.isfinite(value):
-        raise _WrongTypeError("a finite number with a point")
+        raise _WrongTypeError("a finite number with a decimal point")
     return value
 
 

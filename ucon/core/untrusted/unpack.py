@@ -56,7 +56,7 @@ def unpack_xz(raw: bytes, max_bytes: int) -> bytes:
             if not left:
                 return b"".join(pieces)
     except (lzma.LZMAError, EOFError) as error:
-        raise UnpackError(f"no whole xz data: {error}") from None
+        raise UnpackError(f"not complete xz data: {error}") from None
 
 
 def unpack_zlib(raw: bytes, max_bytes: int) -> bytes:
@@ -74,11 +74,11 @@ def unpack_zlib(raw: bytes, max_bytes: int) -> bytes:
         found = stream.decompress(raw, max_bytes + 1)
         _within(len(found), max_bytes)
     except zlib.error as error:
-        raise UnpackError(f"no whole zlib data: {error}") from None
+        raise UnpackError(f"not complete zlib data: {error}") from None
     if not stream.eof:
         raise UnpackError("it ends too early")
     if stream.unused_data:
-        raise UnpackError("something follows its end")
+        raise UnpackError("there is more data after its end")
     return found
 
 
@@ -108,7 +108,7 @@ def read_arrays(raw: bytes, max_bytes: int) -> dict[str, NDArray]:
     except UnpackError:
         raise
     except _ZIP_ERRORS as error:
-        raise UnpackError(f"no whole file of arrays: {error}") from None
+        raise UnpackError(f"not a complete file of arrays: {error}") from None
     return found
 
 
@@ -135,7 +135,7 @@ def read_array(raw: bytes) -> NDArray:
     except UnpackError:
         raise
     except Exception as error:  # numpy's reader of headers evaluates a text, and passes on whatever that raises
-        raise UnpackError(f"no array: {type(error).__name__} in its header") from None
+        raise UnpackError(f"not an array: {type(error).__name__} in its header") from None
     if dtype.hasobject or not dtype.itemsize:
         raise UnpackError("an array of objects or of nothing, which is never read")
     there = len(raw) - file.tell()

@@ -72,8 +72,8 @@ def spaces(subject: Subject) -> Finding:
                 wrong.append(f"step {number}")
             if not np.isfinite(raw[1]) or not all(isinstance(end, bool | np.bool_) for end in raw[2:4]):
                 wrong.append(f"reward or end of step {number}")
-    expected = "observations in their space, finite rewards, truth values as ends"
-    return Finding("spaces", not wrong, expected, wrong[0] if wrong else "so at all steps")
+    expected = "observations in their space, finite rewards, terminated and truncated as booleans"
+    return Finding("spaces", not wrong, expected, wrong[0] if wrong else "as expected at all steps")
 
 
 def seeds(subject: Subject) -> Finding:
@@ -89,7 +89,7 @@ def seeds(subject: Subject) -> Finding:
                 found = f"{difference(a.obs, b.obs)} differs at step {number}"
                 return Finding("seeds", False, "the same bytes from the same seed", found)
     drawn = {reset(envs[0], seed=seed).info["episode"] for seed in range(8)}
-    expected = "the same bytes from the same seed, other episodes from others"
+    expected = "the same bytes from the same seed, other episodes from other seeds"
     return Finding("seeds", len(drawn) > 1, expected, f"{len(drawn)} episodes from 8 seeds")
 
 
@@ -124,8 +124,8 @@ def copies(subject: Subject) -> Finding:
         for number, (a, b) in enumerate(zip(runs[0], run, strict=False)):
             if len(run) != len(runs[0]) or not same(tuple(a), tuple(b)):
                 found = f"{name} differs in {difference(a.obs, b.obs)}, {number + 1} steps later"
-                return Finding("copies", False, "a copy that goes its own way", found)
-    return Finding("copies", True, "a copy that goes its own way", "so")
+                return Finding("copies", False, "a copy that is independent of the original", found)
+    return Finding("copies", True, "a copy that is independent of the original", "as expected")
 
 
 def actions(subject: Subject) -> Finding:
@@ -136,8 +136,8 @@ def actions(subject: Subject) -> Finding:
     taken = [action for action in none if not _refused(partial(env.step, action))]
     run, plain = (played(subject, one, first, 3) for one in (env, alone))
     untouched = all(same(tuple(a), tuple(b)) for a, b in zip(run, plain, strict=True))
-    found = f"{taken[0]!r} was taken" if taken else "all refused" if untouched else "they changed what follows"
-    return Finding("actions", not taken and untouched, "what is no action refused, and nothing done", found)
+    found = f"{taken[0]!r} was accepted" if taken else "all refused" if untouched else "they changed later steps"
+    return Finding("actions", not taken and untouched, "invalid actions refused, and nothing changed", found)
 
 
 def after_the_end(subject: Subject) -> Finding:
@@ -148,14 +148,14 @@ def after_the_end(subject: Subject) -> Finding:
         before = dict(last.info.get("episode_metrics", {}))
         for action in (0, 1, 0):
             if not _refused(partial(env.step, action)):
-                wrong.append(f"a step after {'Done' if last.terminated else 'the last step'} was taken")
+                wrong.append(f"a step after {'Done' if last.terminated else 'the last step'} was accepted")
                 break
         if not same(before, last.info.get("episode_metrics", {})):
             wrong.append("episode_metrics changed")
     if not reset(env, 0).obs:
         wrong.append("no observation after a new reset")
-    expected = "an error that says to reset, figures as they were"
-    return Finding("after the end", not wrong, expected, wrong[0] if wrong else "so")
+    expected = "an error that asks for a reset, metrics unchanged"
+    return Finding("after the end", not wrong, expected, wrong[0] if wrong else "as expected")
 
 
 def last_step(subject: Subject) -> Finding:
@@ -169,8 +169,10 @@ def last_step(subject: Subject) -> Finding:
         seen, taken = step(env, choice(seen, taken) if subject.chooses else int(Action.ROTATE_LEFT)), taken + 1
     steps = int(seen.info.get("episode_metrics", {}).get("steps", -1))
     ok = seen.truncated and not seen.terminated and steps == most and (subject.chooses or taken == most)
-    ended = "truncated" if seen.truncated else "terminated" if seen.terminated else "going on"
-    return Finding("last step", ok, f"truncated at step {most}", f"{ended} after {taken}, which says {steps}")
+    ended = "truncated" if seen.truncated else "terminated" if seen.terminated else "still running"
+    return Finding(
+        "last step", ok, f"truncated at step {most}", f"{ended} after {taken} actions, {steps} steps in its metrics"
+    )
 
 
 def frames(subject: Subject) -> Finding:
@@ -187,7 +189,7 @@ def frames(subject: Subject) -> Finding:
     ok = bool(right and one.std() > 5 and not np.array_equal(one, two))
     found = f"{getattr(one, 'shape', type(one).__name__)}, {'changing' if not same(one, two) else 'always the same'}"
     env.close()
-    return Finding("frames", ok, "uint8 (H, W, 3) that shows something, and changes", found)
+    return Finding("frames", ok, "uint8 (H, W, 3) that is not of one colour and changes", found)
 
 
 def without_target(episode: Episode) -> Episode:

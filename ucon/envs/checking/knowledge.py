@@ -23,7 +23,7 @@ def habits(subject: Subject) -> Finding:
 
     Compared at four levels with the environment without a wrapper. ``habits_mask`` must be 1 where a row stands.
     """
-    expected, counts = "the habits of the level and no others, padded with -1, the mask 1 where one stands", []
+    expected, counts = "exactly the habits of the level, padded with -1, the mask 1 where there is one", []
     for level in _LEVELS:
         env, ours = subject.make(habit_level=level), core(subject.reference(habit_level=level))
         told = reset(env, 0)
@@ -31,9 +31,9 @@ def habits(subject: Subject) -> Finding:
         rows = tuple(right.info["habit_rows"])
         if tuple(told.info["habits"]) != tuple(right.info["habits"]) or tuple(told.info["habit_rows"]) != rows:
             given = len(told.info["habits"])
-            return Finding("habits", False, expected, f"{given} at level {level}, which gives {len(rows)}, or others")
+            return Finding("habits", False, expected, f"{given} at level {level}, not the {len(rows)} of that level")
         if told.info["habit_level"] != level:
-            return Finding("habits", False, expected, f"habit_level {told.info['habit_level']} where {level} was asked")
+            return Finding("habits", False, expected, f"habit_level {told.info['habit_level']} instead of {level}")
         if "habit_table" in dir(env.unwrapped) and np.asarray(told.obs["habits"]).ndim == 1:
             given_rows, mask = np.asarray(told.obs["habits"]), np.asarray(told.obs["habits_mask"])
             if tuple(given_rows[given_rows >= 0].tolist()) != rows or not np.array_equal(mask == 1, given_rows >= 0):
@@ -50,9 +50,9 @@ def target(subject: Subject) -> Finding:
     for episode in (0, 1, 2):
         told, right = reset(env, episode), reset(ours, episode)
         if told.info["target"] != right.info["target"] or not same(told.obs["target"], right.obs["target"]):
-            found = f"{told.info['target']}, or another embedding, where it is {right.info['target']}"
+            found = f"{told.info['target']}, or another embedding, instead of {right.info['target']}"
             return Finding("target", False, "the episode's category and its embedding", found)
-    return Finding("target", True, "the episode's category and its embedding", "so in 3 episodes")
+    return Finding("target", True, "the episode's category and its embedding", "as expected in 3 episodes")
 
 
 def no_secrets(subject: Subject) -> Finding:
@@ -75,7 +75,7 @@ def no_secrets(subject: Subject) -> Finding:
                 if last in _NAMES or (isinstance(value, str) and (value in texts or first.scene in value)):
                     return Finding("secrets", False, expected, f"{where} = {str(value)[:40]!r}")
                 if _is_place(value, places, ours):
-                    return Finding("secrets", False, expected, f"{where} = {value}, where the target is")
+                    return Finding("secrets", False, expected, f"{where} = {value}, the target's position")
                 if last.endswith("instance") and np.ndim(value) == 0:
                     return Finding("secrets", False, expected, f"{where} = {value}")
             if seen.over:
@@ -105,7 +105,7 @@ def unseen_target(subject: Subject) -> Finding:
             compared += 1
             action = choice(a, turn) if subject.chooses else WALK[turn]
             a, b = (step(env, action) for env in envs)
-    return Finding("unseen target", compared > 3, expected, f"so at {compared} steps")
+    return Finding("unseen target", compared > 3, expected, f"as expected at {compared} steps")
 
 
 def _shown_since_now(env: Any) -> Callable[[], bool]:

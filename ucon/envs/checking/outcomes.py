@@ -15,7 +15,7 @@ def done(subject: Subject) -> Finding:
 
     Played in three episodes: Done at the start, and the stored solution.
     """
-    expected = "Done to end it: success at the end of the stored solution, none at the start"
+    expected = "Done ends the episode: success at the end of the stored solution, none at the start"
     env, known = subject.make(), subject.episodes()
     for episode in (0, 1, 2):
         reset(env, episode)
@@ -25,12 +25,12 @@ def done(subject: Subject) -> Finding:
         if found != [(True, False, False), (True, False, True)]:
             said = "; ".join(f"terminated {t}, truncated {u}, success {s}" for t, u, s in found)
             return Finding("done", False, expected, f"at the start and at the end: {said}")
-    return Finding("done", True, expected, "so in 3 episodes")
+    return Finding("done", True, expected, "as expected in 3 episodes")
 
 
 def rewards(subject: Subject) -> Finding:
     """Success has the highest reward, and a failed Done no more than an ordinary step."""
-    expected = "success to pay most, a Done elsewhere no more than a step"
+    expected = "the highest reward for success, no more than a step for a failed Done"
     env, known = subject.make(), subject.episodes()
     reset(env, 0)
     usual = [step(env, action).reward for action in (2, 2, 1, 3, 4, 2, 2)]
@@ -45,7 +45,7 @@ def figures(subject: Subject) -> Finding:
 
     Compared with the environment without a wrapper, over four action sequences.
     """
-    expected = "steps, moves, opens, collisions and success as they were, SPL by its formula, at the end alone"
+    expected = "true steps, moves, opens, collisions and success, SPL by its formula, only at the end"
     env, ours, known = subject.make(), subject.reference(), subject.episodes()
     plans = [known[1].solution, "2206", "0" * 20 + "3540" + "6", "00100200050000026"]
     for plan in plans:
@@ -59,14 +59,14 @@ def figures(subject: Subject) -> Finding:
         told = {**seen.info.get("episode_metrics", {}), "is_success": seen.info.get("is_success")}
         wrong = [name for name, value in wanted.items() if told.get(name) != value]
         if wrong:
-            found = f"{wrong[0]} {told.get(wrong[0])!r}, where it is {wanted[wrong[0]]!r}"
+            found = f"{wrong[0]} {told.get(wrong[0])!r}, instead of {wanted[wrong[0]]!r}"
             return Finding("figures", False, expected, found)
-    return Finding("figures", True, expected, f"so in {len(plans)} episodes")
+    return Finding("figures", True, expected, f"as expected in {len(plans)} episodes")
 
 
 def figures_of_choices(subject: Subject) -> Finding:
     """``episode_metrics`` of an episode of choices are those of its primitive steps."""
-    expected = "steps, path and success of what was done, SPL by its formula, at the end alone"
+    expected = "true steps, path and success, SPL by its formula, only at the end"
     env = subject.make()
     for episode in (0, 1):
         seen, number = reset(env, episode), 0
@@ -80,13 +80,13 @@ def figures_of_choices(subject: Subject) -> Finding:
         wrong = [name for name in right if told.get(name) != right[name]]
         if not seen.over or wrong or seen.info.get("is_success") is not bool(right["success"]):
             name = wrong[0] if wrong else "is_success"
-            return Finding("figures", False, expected, f"{name} {told.get(name)!r}, where it is {right.get(name)!r}")
-    return Finding("figures", True, expected, "so in 2 episodes")
+            return Finding("figures", False, expected, f"{name} {told.get(name)!r}, instead of {right.get(name)!r}")
+    return Finding("figures", True, expected, "as expected in 2 episodes")
 
 
 def image_goal(subject: Subject) -> Finding:
     """Done away from the goal of an image-goal episode ends it without success."""
-    expected = "Done away from the goal to end it without success"
+    expected = "Done away from the goal ends the episode without success"
     env = subject.make()
     early = to_the_end(subject, env, reset(env, 0))
     found = (early.terminated, _success(early), early.info["episode_metrics"]["steps"])

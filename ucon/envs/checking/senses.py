@@ -32,7 +32,7 @@ def _walked(subject: Subject) -> Iterator[tuple[int, Step, Step, Any]]:
 def frame(subject: Subject) -> Finding:
     """``pose`` is relative to the start: x ahead, y left, yaw to the left, pitch up, in metres and radians."""
     x = y = yaw = pitch = 0.0
-    expected = "(x ahead, y left, yaw left, pitch up) of the start, in metres and radians"
+    expected = "(x ahead, y left, yaw left, pitch up) relative to the start, in metres and radians"
     for number, (action, seen, reference, truth) in enumerate(_walked(subject)):
         if action < 0:
             x = y = yaw = pitch = 0.0
@@ -49,9 +49,9 @@ def frame(subject: Subject) -> Finding:
         turned = (told[2] - yaw + np.pi) % (2 * np.pi) - np.pi
         if np.abs([told[0] - x, told[1] - y, turned, told[3] - pitch]).max() > 1e-3:
             right = ", ".join(f"{v:.2f}" for v in (x, y, yaw, pitch))
-            found = f"({', '.join(f'{v:.2f}' for v in told)}) at step {number}, where it is ({right})"
+            found = f"({', '.join(f'{v:.2f}' for v in told)}) at step {number}, instead of ({right})"
             return Finding("frame", False, expected, found)
-    return Finding("frame", True, expected, "so at all steps")
+    return Finding("frame", True, expected, "as expected at all steps")
 
 
 def touch(subject: Subject) -> Finding:
@@ -61,9 +61,9 @@ def touch(subject: Subject) -> Finding:
         told, right = int(seen.obs["collision"][0]), int(reference.obs["collision"][0])
         blocked += right
         if told != right:
-            found = f"{told} at step {number}, where it is {right}"
+            found = f"{told} at step {number}, instead of {right}"
             return Finding("collision", False, expected, found)
-    return Finding("collision", True, expected, f"so, {blocked} moves were blocked")
+    return Finding("collision", True, expected, f"as expected, {blocked} moves were blocked")
 
 
 def memory(subject: Subject) -> Finding:
@@ -74,13 +74,13 @@ def memory(subject: Subject) -> Finding:
         wanted = (len(Action) if action < 0 else action, taken)
         found = (decoded_action(seen.obs["last_action"]), int(seen.obs["step"][0]))
         if found != wanted:
-            return Finding("last action, step", False, expected, f"{found}, where it is {wanted}")
-    return Finding("last action, step", True, expected, "so at all steps")
+            return Finding("last action, step", False, expected, f"{found}, instead of {wanted}")
+    return Finding("last action, step", True, expected, "as expected at all steps")
 
 
 def camera(subject: Subject) -> Finding:
     """``depth`` is in metres along the optical axis and ``rgb`` in its true colours, both of the current frame."""
-    expected = "depth in metres and colours of the frame of now"
+    expected = "depth in metres and colours of the current frame"
     looked = 0
     for number, (_, seen, reference, _truth) in enumerate(_walked(subject)):
         for name, most in (("depth", _DEPTH_M), ("rgb", _COLOUR)):
@@ -90,6 +90,8 @@ def camera(subject: Subject) -> Finding:
             told, right = (np.asarray(s.obs[name], float) for s in (seen, reference))
             apart = float(np.abs(told - right).mean()) if told.shape == right.shape else abs(told.mean() - right.mean())
             if apart > most:
-                found = f"{name} of mean {told.mean():.2f} at step {number}, where ours has {right.mean():.2f}"
-                return Finding("camera", False, expected, f"{found}, {apart:.2f} a pixel apart")
-    return Finding("camera", True, expected, f"so in {looked} images" if looked else "no images (observe=symbolic)")
+                found = f"{name} of mean {told.mean():.2f} at step {number}, instead of {right.mean():.2f}"
+                return Finding("camera", False, expected, f"{found}, {apart:.2f} off per pixel")
+    return Finding(
+        "camera", True, expected, f"as expected in {looked} images" if looked else "no images (observe=symbolic)"
+    )

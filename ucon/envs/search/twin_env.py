@@ -58,7 +58,7 @@ class TwinSearchEnv(UcONSearchEnv):
         """
         self._course.require("beyond")
         if self._tokens is None:
-            raise EpisodeError("beyond where no choice is due: the episode is over, call reset() first")
+            raise EpisodeError("beyond without a choice to make: the episode is over, call reset() first")
         views = [choice.view for choice in self._tokens.choices]
         out = np.zeros((self._sizes.views, len(MOVES)), np.float32)
         out[: len(views)] = self.twins.within(views, MOVES)
@@ -80,7 +80,7 @@ class TwinSearchEnv(UcONSearchEnv):
         """
         self._course.require("go_on")
         if self._tokens is None or self._searcher is None:
-            raise EpisodeError("go_on where no choice is due: the episode is over, call reset() first")
+            raise EpisodeError("go_on without a choice to make: the episode is over, call reset() first")
         searcher, began = self._searcher, self.env.ledger.steps
         action: Action | None = searcher.choose(self._tokens.choices[row])
         self._earned, self._tokens = 0.0, None

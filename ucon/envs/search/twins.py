@@ -57,7 +57,7 @@ class Twins(PartlyShared):
         Raises:
             ConfigError: the rules have no grid.
         """
-        env.rules.require_grid("twins of an episode are found by path lengths on the grid")
+        env.rules.require_grid("twins of an episode need path lengths on the grid")
         self._reach_m, self._max_steps = reach_m, env.rules.max_steps
         known, frames, instance = _toured(env)
         places = Places(height_m)

@@ -74,7 +74,7 @@ class Edits(Shared):
                 if not text.strip() or len(text) > _MOST_CHARACTERS or not is_shown(text):
                     raise DataError(f"{at}: expected plain text of 1 to {_MOST_CHARACTERS} characters; fix the line")
             if (edit.episode, edit.habit) in seen:
-                raise DataError(f"{at}: a second edit of one sentence of {brief(edit.episode)}; keep one")
+                raise DataError(f"{at}: a second edit of the same sentence of {brief(edit.episode)}; keep one")
             seen.add((edit.episode, edit.habit))
             found.append(edit)
         if not found:
@@ -115,7 +115,7 @@ class Edits(Shared):
         for edit in self._by_episode.get(episode, ()):
             if edit.habit not in texts:
                 raise EpisodeError(
-                    f"{self.where}: episode {episode} is not told '{brief(edit.habit)}'; expected one of its "
+                    f"{self.where}: episode {episode} is not given '{brief(edit.habit)}'; expected one of its "
                     f"{len(texts)} habits at this level"
                 )
             place = list(texts).index(edit.habit)

@@ -66,7 +66,9 @@ class Falsehoods(Shared):
         """
         dataset = base.dataset
         if not dataset.labelled:
-            raise ConfigError(f"env.source.falsehoods={self.kind}: habits '{dataset.name}' have no labels; habits=book")
+            raise ConfigError(
+                f"env.source.falsehoods={self.kind}: habits '{dataset.name}' have no labels; use habits=book"
+            )
         naming = [int(row) for row in base.rows_about(episode.target_category) if dataset.supports(row)]
         if self.kind == ORDERS:
             return self._with_orders(base, episode, len(naming))

@@ -99,7 +99,7 @@ def measure_retrieval(dataset: HabitDataset, retriever: Retriever, mode: Mode = 
     """
     homes = _households(dataset)
     if not homes:
-        raise ConfigError(f"dataset '{dataset.name}': no entry fits any of the scenes; leave out their kinds of place")
+        raise ConfigError(f"dataset '{dataset.name}': no entry fits any of the scenes; remove their kinds of place")
     ranks, sizes = [], []
     recall: dict[str, list[NDArray[np.float64]]] = {"own": [], "supporting": []}
     for number in range(_KNOWLEDGE_BASES):

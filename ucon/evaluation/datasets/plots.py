@@ -79,13 +79,13 @@ def _legend(ax: Any, found: Sequence[Measures], notes: Sequence[str]) -> None:
 
 def _words(found: Sequence[Measures]) -> Any:
     """Words per habit: of two datasets, or of one dataset's habits that support a placement and those that do not."""
-    figure = new_figure(title="Words a habit")
+    figure = new_figure(title="Words per habit")
     ax = figure.subplots()
     series = [(_label(one), color, word_counts(one.dataset)) for one, color in zip(found, COLORS, strict=False)]
     if len(found) == 1 and found[0].dataset.labelled:
         tells = np.asarray([bool(habit.supports) for habit in found[0].dataset.habits])
         counts = series[0][2]
-        series = [("tell a place", COLORS[0], counts[tells]), ("tell none", GREY, counts[~tells])]
+        series = [("name a place", COLORS[0], counts[tells]), ("name none", GREY, counts[~tells])]
     for name, color, counts in series:
         y = np.bincount(counts) / (len(found[0].dataset) if len(found) == 1 else len(counts))
         edges = np.arange(len(y) + 1) - 0.5
@@ -103,7 +103,7 @@ def _words(found: Sequence[Measures]) -> Any:
 
 
 def _entries(found: Sequence[Measures]) -> Any:
-    figure = new_figure(title="Households (entries) a target category")
+    figure = new_figure(title="Households (entries) per target category")
     ax = figure.subplots()
     counts = [list(Counter(e.category for e in one.dataset.entries).values()) for one in found]
     last = 12 if max(map(max, counts)) > 12 else max(map(max, counts))
@@ -133,7 +133,7 @@ def _anchors(found: Sequence[Measures]) -> Any:
     percent_axis(ax.yaxis)
     ax.grid(axis="y")
     notes = [
-        f"{len(share)} anchors; these {len(top)} bear {100 * sum(share.get(n, 0) for n in top):.0f} % of the placements"
+        f"{len(share)} anchors; these {len(top)} hold {100 * sum(share.get(n, 0) for n in top):.0f} % of the placements"
         for share in shares
     ]
     _legend(ax, found, notes)
@@ -194,7 +194,7 @@ def _sizes(found: Sequence[Measures]) -> Any:
     for ax, (k, one) in zip(axes, there, strict=False):  # the axes stay empty if no scene has target categories
         scenes = [name for name, count in one.offer.categories.items() if count][::-1]
         ax.axvspan(*SIZEBAND, color=BAND)
-        ax.text(sum(SIZEBAND) / 2, -1.3, "meant to be 300–600", color=GREY, ha="center", va="bottom", fontsize=9)
+        ax.text(sum(SIZEBAND) / 2, -1.3, "intended: 300–600", color=GREY, ha="center", va="bottom", fontsize=9)
         for mode, color in zip(MODES, (COLORS[k], LIGHT[k]), strict=True):
             values = [one.offer.sizes[mode][name] for name in scenes]
             low, high = [v.min() for v in values], [v.max() for v in values]
@@ -204,7 +204,7 @@ def _sizes(found: Sequence[Measures]) -> Any:
         ax.set_yticks(range(len(scenes)), scenes, fontsize=9)
         ax.tick_params(axis="y", length=0)
         ax.set(
-            xlabel="habits (mean, least and most of ten draws)",
+            xlabel="habits (mean, minimum and maximum of ten draws)",
             xlim=(0, longest * 1.04),
             ylim=(-1.4, len(scenes) + 0.6),
         )
@@ -224,7 +224,7 @@ def _retrieval(found: Sequence[Measures]) -> Any:
             result = one.retrieval[mode]
             ax.plot(k, result.recall, color=color, linewidth=2.4, label=f"{_label(one)}, all own habits")
             if result.supporting is not None:
-                label = f"{_label(one)}, habits that tell a place"
+                label = f"{_label(one)}, habits that name a place"
                 ax.plot(k, result.supporting, color=color, linewidth=2.2, linestyle=(0, (4, 2)), label=label)
         ax.axvline(20, color=GREY, linewidth=1, linestyle=":")
         ax.text(20.6, 0.975, "agents get 20", color=GREY, fontsize=9, va="top")

@@ -81,11 +81,11 @@ def draw_items(dataset: HabitDataset, n: int, seed: int = 0) -> list[RatedHabit]
             pool.append(one)
     if len(pool) < 2:
         raise ConfigError(
-            f"dataset '{dataset.name}' is too small for a survey: {len(pool)} of its categories can be asked about, "
-            "expected at least 2 that one household keeps where another does not; give a larger one"
+            f"dataset '{dataset.name}' is too small for a survey: {len(pool)} of its categories can be used, "
+            "expected at least 2 that households keep in different places; give a larger one"
         )
     if not 2 <= n <= len(pool):
-        raise ConfigError(f"--n {n}: expected 2 to {len(pool)} items, one a category of '{dataset.name}'")
+        raise ConfigError(f"--n {n}: expected 2 to {len(pool)} items, one per category of '{dataset.name}'")
     order = stream(seed, "survey", "draw").permutation(len(pool))[:n]
     swapped = set(stream(seed, "survey", "swap").permutation(n)[: n // 2].tolist())
     items = []
@@ -188,7 +188,7 @@ def read_sheet(path: Path, key: dict[int, RatedHabit]) -> list[Rating]:
             f"{path}: item {missing[0]} is missing ({len(missing)} in all); leave lines in, answers may be empty"
         )
     if not any(answer.real or answer.look for answer in answers.values()):
-        raise DataError(f"{path}: no answer at all; leave empty sheets out")
+        raise DataError(f"{path}: no answer at all; omit empty sheets")
     return list(answers.values())
 
 

@@ -54,9 +54,10 @@ def sheet_html(items: Sequence[RatedHabit], name: str) -> str:
 <title>Habits and places: rating sheet</title><style>{_STYLE}</style>
 <h1>Habits and places: {len(items)} items</h1>
 <p>Each item gives a sentence about somebody's habits, an OBJECT, and a PLACE. Please answer two questions for each;
-leave out what you cannot answer. There are no right answers to the first question, and nobody is tested.</p>
+skip what you cannot answer. There are no right answers to the first question, and this is not a test.</p>
 <ol><li>{escape(QUESTIONS[0])}</li><li>{escape(QUESTIONS[1])}</li></ol>
-<p class="screen">At the end, <em>Save answers</em> writes a CSV file: put your initials into its name, return it.</p>
+<p class="screen">At the end, <em>Save answers</em> writes a CSV file: put your initials into its name and
+return it.</p>
 {cards}
 <p><button id="save" type="button">Save answers</button></p>
 <script>{script}</script>

@@ -82,7 +82,7 @@ def _draw(ax: Any, shares: Sequence[float], values: Sequence[Interval], name: st
     reach = None if name.endswith(_FLOOR) else reach
     ax.errorbar(at, [v.mean for v in values], yerr=reach, fmt=style, color=color, capsize=3, label=name)
     percent_axis(ax.xaxis)
-    ax.set_xlabel("false among the sentences about the target's place")
+    ax.set_xlabel("share of false sentences among those about the target's place")
     ax.grid(axis="y")
 
 

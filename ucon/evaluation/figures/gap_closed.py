@@ -94,7 +94,7 @@ def _common(*runs: Records) -> list[list[EpisodeRecord]]:
     by_episode = [{r.episode: r for r in records} for records in runs]
     episodes = sorted(set.intersection(*(set(found) for found in by_episode)))
     if not episodes:
-        raise ConfigError("runs without a common episode; compare runs on the same episodes")
+        raise ConfigError("the runs have no episode in common; compare runs on the same episodes")
     return [[found[episode] for episode in episodes] for found in by_episode]
 
 

@@ -98,5 +98,5 @@ def comparison_table(
 def _by_episode(records: Sequence[EpisodeRecord], name: str) -> dict[str, EpisodeRecord]:
     found = {record.episode: record for record in records}
     if len(found) != len(records):
-        raise ConfigError(f"{name}: {len(records) - len(found)} episodes are there twice; evaluate again")
+        raise ConfigError(f"{name}: {len(records) - len(found)} episodes are listed twice; evaluate again")
     return found

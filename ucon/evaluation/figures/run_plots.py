@@ -26,7 +26,7 @@ _MOST_PAIRS: Final = 6
 _SUBSETS: Final = ("split", "relation", "kind of home", "size of home")
 #: Groups of the picture that shows when a difference is large, with what they are called there.
 _WHEN: Final = {
-    "variety among households": "anchors among which\nhouseholds spread such a thing",
+    "variety among households": "anchors over which\nhouseholds spread such a thing",
     "common sense": "what common sense says\nof the target's place",
     "size of home": "floor area of the home",
 }
@@ -62,7 +62,7 @@ def plot_runs(runs: Sequence[Run], pairs: Sequence[tuple[Run, Run]], folder: Pat
 
 def _sr_over_steps(runs: Sequence[Run]) -> Any:
     """Success rate within so many steps, with its 95 % interval at every tenth step."""
-    figure = new_figure(8, 5, "Success rate within so many steps")
+    figure = new_figure(8, 5, "Success rate within N steps")
     ax = figure.subplots()
     for k, run in enumerate(runs):
         ends = np.array([r.steps if r.success else _STEPS + 1 for r in run.records])
@@ -85,7 +85,7 @@ def _ladder(runs: Sequence[Run]) -> Any:
     ordered = sorted(runs, key=lambda run: spl[run.label].mean)
     rates = [rate_interval([r.success for r in run.records], resamples=_RESAMPLES) for run in ordered]
     names = [run.label for run in ordered]
-    figure = new_figure(10, 1.6 + 0.38 * len(runs), "From the lowest to the highest")
+    figure = new_figure(10, 1.6 + 0.38 * len(runs), "Runs from the lowest SPL to the highest")
     axes = figure.subplots(1, 2, sharey=True)
     _points(axes[0], [spl[name] for name in names], names, _COLORS[0], "{:.3f}")
     _points(axes[1], rates, names, _COLORS[1], "{:.1%}")

@@ -45,7 +45,7 @@ def plot_scaling(queries: Sequence[QueryCost], steps: Sequence[StepCost], folder
 
 def _sentences(costs: Sequence[QueryCost]) -> Any:
     """A line a retriever, both axes logarithmic."""
-    figure = new_figure(6, 3.8, "A query, by sentences")
+    figure = new_figure(6, 3.8, "Time per query, by number of sentences")
     ax = figure.subplots()
     for k, name in enumerate(dict.fromkeys(cost.retriever for cost in costs)):
         of_it = [cost for cost in costs if cost.retriever == name]
@@ -63,7 +63,7 @@ def _steps(costs: Sequence[StepCost], sizes: Sequence[int], what: str) -> Any:
     """A point a home, from zero up."""
     from matplotlib.ticker import MaxNLocator
 
-    figure = new_figure(6, 3.4, f"A step with images, by {what}")
+    figure = new_figure(6, 3.4, f"Time per step with images, by number of {what}")
     ax = figure.subplots()
     ax.scatter(sizes, [cost.step_ms for cost in costs], color=_COLORS[0], s=28)
     ax.margins(0.06, 0.15)

@@ -90,7 +90,7 @@ class FinishedRun:
             return []
         timings = [EpisodeTiming.from_json(value, where=where) for value, where in json_lines(raw, path)]
         if self.records is not None and [t.episode for t in timings] != [r.episode for r in self.records]:
-            raise DataError(f"{path}: not of the episodes in {RECORDS}, one line each; {_ALTERED}")
+            raise DataError(f"{path}: does not match the episodes in {RECORDS}, one line each; {_ALTERED}")
         return timings
 
     def decisions(self) -> dict[str, list[DecisionRecord]]:
@@ -104,7 +104,7 @@ class FinishedRun:
             decision = DecisionRecord.from_json(value, where=where)
             made[decision.episode].append(decision)
         if self.records is not None and (odd := made.keys() - {r.episode for r in self.records}):
-            raise DataError(f"{self.folder / DECISIONS}: of an episode {brief(min(odd))} that is not there; {_ALTERED}")
+            raise DataError(f"{self.folder / DECISIONS}: episode {brief(min(odd))} is not in the run; {_ALTERED}")
         return dict(made)
 
     def played(self) -> dict[int, PlayedEpisode]:
@@ -115,7 +115,7 @@ class FinishedRun:
         """
         timings, decisions = self.timings(), self.decisions()
         if self.records is None or not timings:
-            raise DataError(f"{self.folder}: figures of a finished run, without all of its records; evaluate again")
+            raise DataError(f"{self.folder}: a finished run without all of its records; evaluate again")
         where = str(self.folder / DECISIONS)
         return {
             i: as_played(i, record, timing, decisions.get(record.episode, []), where)
@@ -131,9 +131,7 @@ def figures_only(folders: Sequence[Path]) -> DataError:
     """
     names = " ".join(str(folder) for folder in folders)
     made = " ".join(f"runs/replay/{folder.resolve().name}" for folder in folders)
-    return DataError(
-        f"{names}: keeps figures only, no episodes; `python -m ucon replay {names}` plays them, then give {made}"
-    )
+    return DataError(f"{names}: keeps only figures, no episodes; run `python -m ucon replay {names}`, then give {made}")
 
 
 def as_played(

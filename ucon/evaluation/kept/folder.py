@@ -141,7 +141,7 @@ class RunFolder:
         played = run.played()
         if [played[i].record.episode for i in range(len(played))] != list(episodes):
             raise DataError(
-                f"{self.path}: a finished run of other episodes than its configuration names now; remove the folder "
+                f"{self.path}: a finished run, but its configuration now names other episodes; remove the folder "
                 "and evaluate again"
             )
         self.summary, self.hashes = run.summary, dict(found)  # also of weights that may be gone by now
@@ -185,7 +185,7 @@ class RunFolder:
         there = sorted(p.name for pattern in (CONFIG, f"{RECORDS}*") for p in self.path.glob(pattern))
         if there:
             raise ConfigError(
-                f"out={self.path}: {there[0]} there is of another run and would be overwritten; choose another folder"
+                f"out={self.path}: {there[0]} belongs to another run and would be overwritten; choose another folder"
             )
 
 

@@ -131,7 +131,7 @@ def _value(line: bytes, path: Path, first: bytes = b"") -> dict[str, Any]:
     value = parse_line(body, str(path)) if checksum == _checksum(body, first).encode() else None
     if not isinstance(value, dict):
         raise DataError(
-            f"{path}: its first line is damaged, or of an older version; remove the folder or choose another"
+            f"{path}: its first line is damaged or from an older version; remove the folder or choose another"
         )
     return value
 
@@ -152,5 +152,5 @@ def _played(
     made = [DecisionRecord.from_json(one, where=where) for one in decisions]
     known = 0 <= line.index < len(episodes) and line.index not in done and episodes[line.index] == record.episode
     if not known or line.seconds < 0:
-        raise DataError(f"{where}: episode {line.index} is another one, or there twice")
+        raise DataError(f"{where}: episode {line.index} is not the expected one, or is listed twice")
     return as_played(line.index, record, timing, made, where), line.seconds

@@ -100,7 +100,7 @@ class PositionBias:
             if any(len(shares) != n for n, (_, shares) in chosen.items()):
                 raise ValueError
         except (LookupError, TypeError, ValueError, AttributeError):
-            raise DataError(f"{where}: position_bias has another form; the file is altered, evaluate again") from None
+            raise DataError(f"{where}: position_bias is malformed; the file is altered, evaluate again") from None
         return cls(chosen, agreement, named)
 
 

@@ -169,11 +169,11 @@ def parse_records(raw: bytes, path: Path) -> list[EpisodeRecord]:
     """
     records = [EpisodeRecord.from_json(value, where=where) for value, where in json_lines(raw, path)]
     if not records:
-        raise DataError(f"{path}: empty; expected one record a line, evaluate again")
+        raise DataError(f"{path}: empty; expected one record per line, evaluate again")
     seen: set[str] = set()
     for number, record in enumerate(records, 1):
         if record.episode in seen:
-            raise DataError(f"{path}:{number}: episode {brief(record.episode)} is there twice; evaluate again")
+            raise DataError(f"{path}:{number}: episode {brief(record.episode)} is listed twice; evaluate again")
         seen.add(record.episode)
     return records
 
@@ -218,20 +218,20 @@ def _contradictions(record: EpisodeRecord) -> Iterator[str]:
         yield f"actions={brief(record.actions)}: expected {steps} digits from 0 to 6"
     for limit in (75, 150, 300):
         if getattr(record, f"success_{limit}") != (record.success and steps <= limit):
-            yield f"success_{limit} is not what success={record.success} in {steps} steps says"
+            yield f"success_{limit} contradicts success={record.success} in {steps} steps"
     believed = {f"believed[{k}].p": place.p for k, place in enumerate(record.believed or ())}
     for name, value in ({name: getattr(record, name) for name in _SHARES} | believed).items():
         if value is not None and not 0 <= value <= 1:
             yield f"{name}={value}: expected a number from 0 to 1"
     if min(record.shortest_path_m, record.path_length_m) < 0:
-        yield "a path of less than 0 metres"
+        yield "a path shorter than 0 metres"
     if abs(episode_spl(record.success, record.shortest_path_m, record.path_length_m) - record.spl) > 1e-5:
-        yield f"spl={record.spl} is not what its success and lengths say"
+        yield f"spl={record.spl} contradicts its success and lengths"
     if any(getattr(record, name) < 0 for name in _COUNTS) or max(record.opens, record.collisions) > steps:
         yield "counts below 0 or above the number of steps"
     if not -1 <= record.first_seen_step <= steps:
         yield f"first_seen_step={record.first_seen_step}: expected -1 to {steps}"
     if record.failure_cause not in _FAILURES or (record.failure_cause == "none") != record.success:
-        yield f"failure_cause={brief(record.failure_cause)}: no cause that an episode with success={record.success} has"
+        yield f"failure_cause={brief(record.failure_cause)}: not a cause for an episode with success={record.success}"
     if record.habit_level not in LEVELS:
         yield f"habit_level={brief(record.habit_level)}: expected one of {', '.join(LEVELS)}"

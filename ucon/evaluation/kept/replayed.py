@@ -38,12 +38,12 @@ class StoredRun:
         """
         if self.records is None:
             if every != 1:
-                raise DataError(f"{self.label}: no episodes are kept, only figures of all of them; play all (every 1)")
+                raise DataError(f"{self.label}: no episodes are kept, only their overall figures; play all (every 1)")
             same = self.figures.get("n", len(episodes)) == len(episodes)
         else:
             same = [record.episode for record in sampled(self.records, every)] == list(episodes)
         if not same:
-            raise DataError(f"{self.label}: other episodes are kept than its configuration names now")
+            raise DataError(f"{self.label}: its configuration now names other episodes than those kept")
 
     @classmethod
     def read(cls, folder: Path) -> StoredRun:

@@ -119,7 +119,7 @@ def read_bytes(path: Path) -> bytes:
     try:
         return unpack_xz(raw, _MAX_BYTES)
     except UnpackError as error:
-        raise DataError(f"{path}: not whole ({error}); {_RESTORE}") from None
+        raise DataError(f"{path}: incomplete ({error}); {_RESTORE}") from None
 
 
 def refuse_unfinished(folder: Path) -> None:
@@ -127,7 +127,7 @@ def refuse_unfinished(folder: Path) -> None:
     if (folder / PARTIAL).is_file():
         done = max(0, read_plain(folder / PARTIAL, _MAX_BYTES).count(b"\n") - 1)
         raise DataError(
-            f"{folder}: not finished, {done} episodes so far; the same command with out={folder} goes on with it"
+            f"{folder}: not finished, {done} episodes so far; the same command with out={folder} continues it"
         )
 
 
@@ -169,7 +169,7 @@ def _unsealed(path: Path) -> dict[str, Any]:
     body, seal, checksum = read_plain(path, _MAX_BYTES).rpartition(_SEAL.encode())
     if not seal or checksum != f'{sha256_bytes(body)}"\n}}\n'.encode():
         _refuse_older(path.parent)
-        raise DataError(f"{path}: its checksum is of other content; the file is altered, {_RESTORE}")
+        raise DataError(f"{path}: its checksum does not match its content; the file is altered, {_RESTORE}")
     files = value.get("files")
     if not isinstance(files, dict) or not all(re.fullmatch("[0-9a-f]{64}", str(digest)) for digest in files.values()):
         raise DataError(f"{path}: no usable checksums of the run's files; {_RESTORE}")
@@ -179,7 +179,7 @@ def _unsealed(path: Path) -> dict[str, Any]:
 def _refuse_older(folder: Path) -> None:
     if not is_sealed(folder):
         raise DataError(
-            f"{folder / SUMMARY}: no checksums, an older version wrote it; `python -m ucon verify {folder} --seal` "
+            f"{folder / SUMMARY}: no checksums (written by an older version); `python -m ucon verify {folder} --seal` "
             "recomputes its figures and adds them"
         )
 
@@ -190,7 +190,7 @@ def _compare(folder: Path, by: str, name: str, found: str | None, expected: str 
     if found is None:
         problem = f"missing, but {by} has its checksum; restore it, or see `python -m ucon verify {folder} --seal`"
     elif expected is None:
-        problem = f"not of the run that {by} tells of; remove it"
+        problem = f"not part of the run that {by} describes; remove it"
     else:
         problem = f"SHA-256 {found[:12]}, {by} says {brief(expected[:12])}; the file is altered, {_RESTORE}"
     raise DataError(f"{folder / name}: {problem}")

@@ -153,10 +153,10 @@ class WorkerPool:
         running, worst = self._ended_in(worker)
         if worst:
             raise EpisodeError(
-                f"{worst}: not finished within {limit:g} s by any of {TRIES} workers; what is finished is "
-                "kept, the same command goes on: play with workers=0 to see where it hangs, or raise worker_timeout_s"
+                f"{worst}: not finished within {limit:g} s by any of {TRIES} workers; finished episodes are kept "
+                "and the same command continues; play with workers=0 to see where it hangs, or raise worker_timeout_s"
             )
-        self._go_on(worker, f"did not finish {running} within {limit:g} s (worker_timeout_s); it is ended")
+        self._go_on(worker, f"did not finish {running} within {limit:g} s (worker_timeout_s) and was stopped")
 
     def _replace_dead(self, worker: _Worker) -> None:
         """Replace a worker that died.
@@ -169,8 +169,8 @@ class WorkerPool:
         running, worst = self._ended_in(worker)
         if worst:
             raise WorkerError(
-                f"{worker.process.name} {how}, as did others: {TRIES} workers began {worst}; what is finished is kept, "
-                "the same command goes on; try fewer workers, or workers=0 to run in this process"
+                f"{worker.process.name} {how}, as did others: {TRIES} workers began {worst}; finished episodes are "
+                "kept and the same command continues; try fewer workers, or workers=0 to run in this process"
             )
         self._go_on(worker, f"{how} in {running}")
 

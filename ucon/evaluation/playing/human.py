@@ -57,8 +57,8 @@ class HumanAgent:
         """
         if self.hand is None:
             raise ConfigError(
-                "agent=human: a person searches on the page Play of `python -m ucon serve`; what one did is seen again "
-                "by `python -m ucon watch RUN EPISODE --actions`"
+                "agent=human: a person searches on the page Play of `python -m ucon serve`; watch a finished game "
+                "with `python -m ucon watch RUN EPISODE --actions`"
             )
         if len(infos) != 1 or (slots is not None and list(slots) != [0]):
             raise ConfigError("agent=human: a person plays one episode at a time; leave batch=1")

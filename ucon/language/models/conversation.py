@@ -46,7 +46,7 @@ class ChatTemplate:
         return self._rendered(self._style[seen], system, user, images)
 
     def _tried(self, images: int) -> str:
-        error = "it leaves out what it is given"
+        error = "it drops a part of its input"
         if not getattr(self._owner, "chat_template", None):
             raise DataError(f"{self._where}: no chat template; choose an instruction-tuned model")
         for style in ("text", "parts", "folded"):

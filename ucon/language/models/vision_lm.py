@@ -144,7 +144,7 @@ class VisionModel(LikelihoodModel[_Ready]):
 
         processor = self._weights.read(transformers.AutoProcessor.from_pretrained)
         if not hasattr(processor, "image_processor") or getattr(processor, "tokenizer", None) is None:
-            raise DataError(f"{self._weights.path}: no processor of images and text; choose a model that sees")
+            raise DataError(f"{self._weights.path}: no processor for images and text; choose a vision-language model")
         processor.tokenizer.padding_side = "right"
         if processor.tokenizer.pad_token is None:
             processor.tokenizer.pad_token = processor.tokenizer.eos_token

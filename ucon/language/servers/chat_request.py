@@ -170,7 +170,7 @@ class ChatRequest:
                 raise ValueError("an empty answer" + CUT_OFF * said.cut_off)
             found = usable_data(said.text, self._schema, self._wanted)
             if found is None:
-                what = "an answer without a whole JSON object" if self._wanted is None else "an answer of no use"
+                what = "an answer without a whole JSON object" if self._wanted is None else "an unusable answer"
                 raise ValueError(what + CUT_OFF * said.cut_off)
         except ValueError as error:
             self._unusable += 1
@@ -205,9 +205,9 @@ class ChatRequest:
             text = f"{head}{unusable} (HTTP {outcome.status}), {count}; try another model, seed or max_tokens"
             return AnswerError(text, **facts)  # type: ignore[arg-type]
         said = refusal(outcome.body, client.key())
-        remedy = _REMEDY.get(outcome.status or 0, "see what the server says and fix the request")
+        remedy = _REMEDY.get(outcome.status or 0, "read what the server says and fix the request")
         if _passing(outcome):
-            remedy = "see that the server runs and is not overloaded, or raise timeout_s, attempts or max_wait_s"
+            remedy = "check that the server is running and not overloaded, or raise timeout_s, attempts or max_wait_s"
         elif outcome.status is None:
             remedy = "give a base_url whose certificate this machine trusts"
         return ServerError(f"{head}{outcome.problem}{said}, {count}; {remedy}", **facts)  # type: ignore[arg-type]

@@ -56,7 +56,7 @@ def checked_url(base_url: str) -> str:
     except ValueError:
         good = False
     if not good or not base_url.isprintable() or " " in base_url:
-        raise ConfigError("chat server: base_url is no http address; expected one like http://127.0.0.1:8000/v1")
+        raise ConfigError("chat server: base_url is not an http address; expected one like http://127.0.0.1:8000/v1")
     if "@" in parts.netloc or parts.query or parts.fragment:
         raise ConfigError(
             f"chat server {parts.hostname}: base_url with a name, key or query; give the address alone, and the key in "

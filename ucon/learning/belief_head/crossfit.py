@@ -125,8 +125,8 @@ def folds(
     known = default_weights().anchors
     if odd := next((name for name in data.anchors if name not in known), None):
         raise ConfigError(
-            f"habits {data.name}: the anchor {odd} is none of the {len(known)} that the shipped reader knows, on "
-            "which the head stands; rename it or leave its entries out"
+            f"habits {data.name}: the anchor {odd} is not among the {len(known)} that the shipped reader knows, "
+            "which the head is based on; rename it or leave its entries out"
         )
     groups = fold_categories(data, count)
     if used is not None and not 1 <= used <= count:
@@ -141,7 +141,7 @@ def _fold(data: HabitDataset, names: set[str], pairs: PairReader, recipe: PlaceR
     made_of = [EDITION, own.sha256, rest.sha256, anchors, pairs.encoder.name, str(asdict(recipe))]
     path = user_cache() / "crossfit" / sha256_bytes(canonical_json(made_of).encode())[:24] / "fold.npz"
     if not (path.parent / MANIFEST).is_file():  # the manifest is written last
-        say(f"fitting what reads {len(own.categories)} categories on {len(rest.categories)} others (minutes, once)")
+        say(f"fitting a reader for {len(own.categories)} categories on {len(rest.categories)} others (minutes, once)")
         _keep(path, _fitted(own, rest, anchors, pairs, recipe, say))
     arrays, sha256 = load_arrays(path)
     shared = load_arrays(WEIGHTS)[0]

@@ -49,8 +49,8 @@ def folds_of(dataset: HabitDataset, n_folds: int, used_folds: int | None, scene_
     """
     if dataset.scenes and (n_folds, used_folds) != (N_FOLDS, None):
         raise ConfigError(
-            f"learner.n_folds={brief(n_folds)}, learner.used_folds={brief(used_folds)}: are of habits without scenes; "
-            f"{dataset.name} is dealt by scene, leave them out"
+            f"learner.n_folds={brief(n_folds)}, learner.used_folds={brief(used_folds)}: not for habits with scenes; "
+            f"{dataset.name} is split by scene, leave them out"
         )
     return (
         scene_folds(dataset, scene_evidence=scene_evidence)

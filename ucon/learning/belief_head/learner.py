@@ -87,7 +87,7 @@ class BeliefLearner(CountedSteps):
         draw = draw or Draw()
         self._initial = "" if given.initial is None else _load_initial(self.head, Path(given.initial).expanduser())
         if given.scene_evidence and not dataset.scenes:
-            raise ConfigError(f"learner.scene_evidence=true: {dataset.name} belongs to no scenes, and is read as it is")
+            raise ConfigError(f"learner.scene_evidence=true: {dataset.name} belongs to no scenes; give false")
         if folds is None:
             folds = folds_of(dataset, given.n_folds, given.used_folds, given.scene_evidence)
         self._parts = parts or parts_of(dataset, given.scene_evidence)

@@ -45,7 +45,7 @@ class CounterfactualLearner(DecisionLearner):
         options: see :class:`DecisionLearner`.
     """
 
-    learns = "what came of going to each of several views in rollouts"
+    learns = "the outcome of going to each of several views in rollouts"
 
     def __init__(
         self,

@@ -135,7 +135,9 @@ class DecisionLearner(CountedSteps):
         self.updates.begin()
         loss = self.loss_of_step(stream(self.options.seed, self.labels.name, self._done))
         if not bool(torch.isfinite(loss)):
-            raise DivergedError(f"step {self._done + 1}: the loss is not finite; start anew with a smaller learner.lr")
+            raise DivergedError(
+                f"step {self._done + 1}: the loss is not finite; start a new run with a smaller learner.lr"
+            )
         loss.backward()  # type: ignore[no-untyped-call]
         updated = self.updates.take(self._done)
         self._done += 1

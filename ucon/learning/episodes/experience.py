@@ -129,9 +129,7 @@ def experience_from_json(rows: Any, episodes: Mapping[str, Episode]) -> list[Exp
         success, spl, gained = row[width - 3 : width]
         sound = type(success) is bool and type(spl) is float and 0.0 <= spl <= 1.0 and type(gained) is float
         if not sound or not np.isfinite(gained) or (log_p > 0).any():
-            raise DataError(
-                f"state with experience of episode {one.episode.id} that cannot be; go on from an earlier one"
-            )
+            raise DataError(f"state with invalid experience of episode {one.episode.id}")
         made = Experience(
             one.episode, one.level, one.actions, one.labels, log_p, advantage, target, success, spl, gained, led=one.led
         )
@@ -150,5 +148,5 @@ def _array(text: Any, length: int) -> Floats:
     except (TypeError, ValueError, binascii.Error):
         found = np.full(0, np.nan, np.float32)
     if len(found) != length or not np.isfinite(found).all():
-        raise DataError("state with experience that is cut off or not finite; go on from an earlier checkpoint")
+        raise DataError("state with experience that is cut off or not finite")
     return found

@@ -55,7 +55,7 @@ class EpisodePPOLearner(CollectingLearner):
 
     def __init__(self, rollouts: EpisodeRollouts, **options: Any) -> None:
         if options.pop("demonstrator", None) is not None:
-            raise ConfigError("learner.demonstrator: for learner=imitation; PPO learns from what came of its own play")
+            raise ConfigError("learner.demonstrator: only for learner=imitation; PPO learns from its own play")
         super().__init__(rollouts, **options)
         if self.validation.choose not in ("success_rate", "spl"):
             raise ConfigError(f"learner.validation.choose={self.validation.choose}: expected success_rate or spl")

@@ -77,7 +77,7 @@ class DaggerLearner(CollectingLearner):
 
     def __init__(self, rollouts: DaggerRollouts, expert: Corrector | None = None, **options: Any) -> None:
         if options.pop("demonstrator", None) is not None:
-            raise ConfigError("learner.demonstrator: for learner=imitation; DAgger's expert corrects what is played")
+            raise ConfigError("learner.demonstrator: only for learner=imitation; DAgger has its own expert")
         self.expert = expert or KnowingExpert()
         super().__init__(rollouts, **options)
 

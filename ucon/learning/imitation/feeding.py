@@ -253,7 +253,7 @@ class Feeder:
             if (lost := lost_worker(self._workers(), killed_only=False)) is not None:
                 return lost
             time.sleep(_LOOK_S)
-        return LearnerWorkerError("a worker of unknown number died; what is saved is kept: resume=RUN goes on")
+        return LearnerWorkerError("a worker of unknown number died; what is saved is kept: resume=RUN continues")
 
     def _replace(self, lost: LearnerWorkerError) -> None:
         """Start new workers, and ask them for everything that is not done.

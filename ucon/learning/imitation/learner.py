@@ -332,7 +332,7 @@ class ImitationLearner:
         for kind, tensors in parts.items():
             require_finite({f"{kind} {name}": tensor for name, tensor in tensors.items()}, self.done)
         require_finite({name: outputs[name] for name in ("logits", "value")}, self.done)
-        raise DivergedError(f"step {self.done + 1}: the loss is not finite; start a run anew with a smaller learner.lr")
+        raise DivergedError(f"step {self.done + 1}: the loss is not finite; start a new run with a smaller learner.lr")
 
     def _order(self, epoch: int) -> NDArray[np.int64]:
         """Order of the episodes in an epoch, (n_episodes,) int64 permutation."""

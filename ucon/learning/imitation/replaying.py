@@ -59,7 +59,9 @@ class Replayer:
         seen = led(self._env, trajectory.led, Seen(observation, info))
         for digit in trajectory.actions:
             if ended:
-                raise DataError(f"episode {trajectory.episode.id}: actions after its end; it was made by other rules")
+                raise DataError(
+                    f"episode {trajectory.episode.id}: actions after its end; it was made under other rules"
+                )
             frames.append(self._policy.frame(*seen))
             if self._expert is not None:
                 self._expert.label(_SLOT, *seen)

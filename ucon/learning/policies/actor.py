@@ -55,7 +55,9 @@ class StepActor(TensorDictModuleBase):
     def _state(tensordict: TensorDictBase, name: str) -> torch.Tensor:
         found: torch.Tensor | None = tensordict.get((STATE, name), None)
         if found is None:
-            raise DataError(f"no recurrent state '{name}' in what is played; add a TensorDictPrimer to the environment")
+            raise DataError(
+                f"no recurrent state '{name}' in the played steps; add a TensorDictPrimer to the environment"
+            )
         return found
 
 

@@ -176,7 +176,7 @@ class PPOLearner:
         groups = {"frames": frames, "parameter": self.updates.parameters, "": outputs, "played": part.played}
         for kind, tensors in groups.items():
             require_finite({f"{kind} {name}".strip(): tensor for name, tensor in tensors.items()}, self.done)
-        raise DivergedError(f"step {self.done + 1}: the loss is not finite; start a run anew with a smaller learner.lr")
+        raise DivergedError(f"step {self.done + 1}: the loss is not finite; start a new run with a smaller learner.lr")
 
     def validate(self) -> Figures:
         """SR and SPL of the averaged policy on validation episodes, mean ``steps``, and ``score``."""

@@ -105,14 +105,14 @@ class Checkpoints:
         """
         name = self._named(name) if name in (LATEST, BEST) else name
         if not _NAME.fullmatch(name):
-            raise CheckpointError(f"{brief(name)}: no name of a checkpoint; {self._others()}")
+            raise CheckpointError(f"{brief(name)}: not a checkpoint name; {self._others()}")
         folder = self.folder / name
         if not folder.exists() and (aside := _aside(folder)).is_dir():
             aside.rename(folder)  # its process was killed between the two renames of _put
         try:
             content = _content(read_verified(folder / VALUES, _MOST_VALUES))
             if step_name(content.step) != name:
-                raise DataError(f"{VALUES} is of step {content.step}")
+                raise DataError(f"{VALUES} belongs to step {content.step}")
         except DataError as error:
             raise CheckpointError(f"checkpoint {folder}: {error}; {self._others(name)}") from None
         if content.identity != self.identity:
@@ -208,8 +208,8 @@ class Checkpoints:
         """Advice for an error message: another checkpoint to resume from, or to start anew."""
         names = [path.name for path in self.all() if path.name != bad]
         if not names:
-            return "there is no other one, start the run anew"
-        return f"go on from an earlier one with resume={self.folder / names[-1]}"
+            return "there is no other one, start a new run"
+        return f"continue from an earlier one with resume={self.folder / names[-1]}"
 
     def _drop_old(self, planned: Callable[[int], bool]) -> None:
         there = self.all()
@@ -265,7 +265,7 @@ def _content(raw: bytes) -> _Content:
     hashes = isinstance(content.identity, dict) and all(isinstance(value, str) for value in content.identity.values())
     steps = _is_step(content.step) and (content.best is None or _is_step(content.best))
     if not (hashes and steps and isinstance(content.values, dict)):
-        raise DataError(f"{VALUES} does not say what it should")
+        raise DataError(f"{VALUES} has missing or invalid entries")
     return content
 
 

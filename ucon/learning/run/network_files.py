@@ -126,7 +126,7 @@ def load_network(path: str, network: Network, *, how: str = "") -> str:
     if folder is None:
         missing = f"{path}: no trained weights there (no {CONFIG} and {WEIGHTS})"
         if (Path(path).expanduser() / CHECKPOINTS).is_dir():
-            missing, how = f"{path}: its training has not ended", f"go on with `python train.py resume={path}`"
+            missing, how = f"{path}: its training has not ended", f"continue with `python train.py resume={path}`"
         raise DataError(f"{missing}; {how}" if how else missing)
     most = _check_config(folder / CONFIG, network)
     tensors, raw = read_fitting(folder / WEIGHTS, network.state_dict())
@@ -147,11 +147,11 @@ def _check_config(path: Path, network: Network) -> int:
         found, number, arguments = config["architecture"], config["format"], config["arguments"]
         most = config.get("max_habits", MAX_HABITS)
     except (ValueError, LookupError, TypeError):
-        raise DataError(f"{path}: does not describe a network; train it anew") from None
+        raise DataError(f"{path}: does not describe a network; train it again") from None
     if not isinstance(arguments, dict) or type(most) is not int or not 1 <= most <= _MOST_HABITS:
-        raise DataError(f"{path}: does not describe a network; train it anew")
+        raise DataError(f"{path}: does not describe a network; train it again")
     if number != FORMAT:
-        raise DataError(f"{path}: format {brief(number)}, this version reads {FORMAT}; train it anew")
+        raise DataError(f"{path}: format {brief(number)}, this version reads {FORMAT}; train it again")
     if found != network.architecture:
         raise DataError(
             f"{path}: weights of architecture {brief(found)}, expected {network.architecture}; give its own agent="

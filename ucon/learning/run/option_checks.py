@@ -50,12 +50,12 @@ def check_parts(episodes: Sequence[Episode], chosen_by: Sequence[Episode], parts
     for episode in chosen_by:
         if odd := next((name for name in episode.entries if parts.get(name) == "test"), None):
             raise ConfigError(
-                f"learner.validation.episodes: {episode.id} uses entry {odd} of the test part, by which nothing must "
-                "be chosen; give learner.validation.episodes=val"
+                f"learner.validation.episodes: {episode.id} uses entry {odd} of the test part, which must not "
+                "choose checkpoints; give learner.validation.episodes=val"
             )
     for episode in episodes:
         if odd := next((name for name in episode.entries if parts.get(name) != "train"), None):
             raise ConfigError(
-                f"learner.episodes: {episode.id} uses entry {odd} of the {parts.get(odd, 'unknown')} part, which must "
-                "not be learned from; give learner.episodes=train"
+                f"learner.episodes: {episode.id} uses entry {odd} of the {parts.get(odd, 'unknown')} part, which is "
+                "not for training; give learner.episodes=train"
             )

@@ -62,9 +62,9 @@ def _inside(folder: Path) -> list[Path]:
 
 def _check(path: Path, *, file: bool) -> None:
     if path.is_symlink():
-        raise DataError(f"{path}: is a link, and a run's folder holds none; put what it names there")
+        raise DataError(f"{path}: is a link, which a run's folder must not hold; replace it with its target")
     if path.exists() and not (path.is_file() if file else path.is_dir()):
-        raise DataError(f"{path}: expected a {'file' if file else 'folder'}; restore it, or start the run anew")
+        raise DataError(f"{path}: expected a {'file' if file else 'folder'}; restore it, or start a new run")
 
 
 def read_config(folder: Path) -> bytes:
@@ -142,5 +142,5 @@ def _row_of(line: str, where: str) -> dict[str, Any]:
     except (ValueError, LookupError, TypeError, RecursionError):
         row, step = {}, None
     if type(step) is not int or step < 0:
-        raise DataError(f"{where}: not a line of metrics; restore it, or start the run anew")
+        raise DataError(f"{where}: not a line of metrics; restore it, or start a new run")
     return dict(row)

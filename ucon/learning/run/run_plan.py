@@ -56,7 +56,7 @@ class Plan:
             if not at < one.at <= steps < one.steps <= MOST_STEPS:
                 raise ConfigError(
                     f"training.extended: from {brief(one.at)} to {brief(one.steps)} steps does not follow from "
-                    f"{steps}; restore it, or start the run anew"
+                    f"{steps}; restore it, or start a new run"
                 )
             at, steps = one.at, one.steps
 
@@ -113,11 +113,11 @@ class Plan:
         before = self.followed(step)
         planned = before[-1].steps if before else self.steps
         if steps <= step:
-            raise ConfigError(f"training.steps={steps}: {step} are done; give more, or leave it out")
+            raise ConfigError(f"training.steps={steps}: {step} steps are done; give more, or leave it out")
         if steps == self.length:
             return self
         if steps <= planned:
-            raise ConfigError(f"training.steps={steps}: the run has {planned}; give more, or leave it out")
+            raise ConfigError(f"training.steps={steps}: the run already has {planned}; give more, or leave it out")
         return replace(self, extended=(*before, Extension(step, steps)))
 
 

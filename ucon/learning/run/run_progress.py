@@ -127,7 +127,7 @@ def _finish(run: Any, folder: Path) -> None:
         run.finish()
     except TimeoutError:
         where = folder / "wandb"
-        _warn(f"wandb=online: not all was sent within {WANDB_UPLOAD_S} s; `wandb sync` sends what is in {where}")
+        _warn(f"wandb=online: not everything was sent within {WANDB_UPLOAD_S} s; `wandb sync` sends what is in {where}")
 
 
 def _warn(text: str) -> None:

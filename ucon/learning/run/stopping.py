@@ -76,7 +76,7 @@ class Stopping:
         if self.caught and number == signal.SIGINT:
             raise KeyboardInterrupt
         if not self.caught:
-            told = f"stopping after this step, in {GRACE_S:g} s at the latest; Ctrl-C again aborts it at once\n"
+            told = f"stopping after this step, within {GRACE_S:g} s; Ctrl-C again aborts it at once\n"
             sys.stderr.write(told)
             sys.stderr.flush()
             self._deadline = time.monotonic() + GRACE_S

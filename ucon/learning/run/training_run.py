@@ -101,12 +101,12 @@ class TrainingRun:
         """
         if (self.checkpoints.folder / LATEST).exists():
             raise ConfigError(
-                f"out={self.folder}: holds a run already; go on with resume={self.folder} or choose another folder"
+                f"out={self.folder}: holds a run already; continue with resume={self.folder} or choose another folder"
             )
         results = sorted(p.name for name in (SUMMARY, MODEL, f"{RECORDS}*") for p in self.folder.glob(name))
         if results:
             raise ConfigError(
-                f"out={self.folder}: {results[0]} there is of another run and would be overwritten; "
+                f"out={self.folder}: {results[0]} belongs to another run and would be overwritten; "
                 "choose another folder"
             )
         check_run_folder(self.folder)
@@ -155,7 +155,7 @@ class TrainingRun:
         except DataError as error:
             raise self.checkpoints.unusable(step, str(error)) from None
         if found.extended != self.plan.followed(step):
-            raise self.checkpoints.unusable(step, f"{CONFIG} says of other extensions of the run")
+            raise self.checkpoints.unusable(step, f"{CONFIG} lists other extensions of the run")
         return found
 
     def _most_bytes(self) -> int:
@@ -254,7 +254,7 @@ class TrainingRun:
         if odd := next((name for name, value in found.items() if not math.isfinite(value)), None):
             from ucon.core.errors import DivergedError
 
-            raise DivergedError(f"step {self.step}: {odd} of the validation is not finite; learn with a smaller rate")
+            raise DivergedError(f"step {self.step}: {odd} of the validation is not finite; use a smaller learner.lr")
         self._log({f"val/{name}": value for name, value in found.items()})
         better = not self.best or found[SCORE] > self.best[SCORE]
         if better:
@@ -288,7 +288,7 @@ class TrainingRun:
     def _finish(self) -> dict[str, Any]:
         """Load the best checkpoint and write model, card and summary."""
         if not self.best:
-            raise self.checkpoints.unusable(self.step, "the best one of the run is gone")
+            raise self.checkpoints.unusable(self.step, "the run's best checkpoint is missing")
         _, state = self.checkpoints.load(step_name(int(self.best["step"])))
         self._load(state)
         product = self.learner.product()
@@ -327,9 +327,11 @@ class TrainingRun:
         """The run's extensions and what they mean for the schedule, in a line; empty where there are none."""
         if not self.plan.extended:
             return ""
-        more = "".join(f", after {one.at} extended to {one.steps}" for one in self.plan.extended)
+        more = "".join(f", extended to {one.steps} after {one.at}" for one in self.plan.extended)
         if self.rescheduled:
-            then = "from there its learning rate follows the longer schedule, unlike in a run of that length"
+            then = (
+                "from then on its learning rate follows the longer schedule, unlike in a run planned with that length"
+            )
         else:
-            then = "no schedule depends on their number"
+            then = "no schedule depends on the number of steps"
         return f"planned for {self.plan.steps} steps{more}; {then}"

@@ -196,7 +196,7 @@ def _require_sound(tensors: Mapping[str, Tensor]) -> None:
         least, most = (0.0, _MOST_STEPS) if name.startswith("step/") else (-torch.inf, torch.inf)
         least = 0.0 if name.startswith("exp_avg_sq/") else least
         if value.is_floating_point() and not bool((torch.isfinite(value) & (value >= least) & (value <= most)).all()):
-            raise DataError(f"state with {name}, which holds values that cannot be; go on from an earlier checkpoint")
+            raise DataError(f"state with invalid values in {name}")
 
 
 def require_finite(tensors: Mapping[str, Tensor], step: int) -> None:
@@ -214,5 +214,5 @@ def require_finite(tensors: Mapping[str, Tensor], step: int) -> None:
             bad = int((~torch.isfinite(value)).sum())
             raise DivergedError(
                 f"step {step + 1}: {name} is not finite ({bad} of {value.numel()}); "
-                "start a run anew with a smaller learner.lr"
+                "start a new run with a smaller learner.lr"
             )

@@ -22,7 +22,7 @@ WORKER_TIMEOUT_S: Final = 3600.0
 _JOIN_S, _GRACE_S = 5.0, 5.0
 #: Seconds between looks at the workers while they work.
 _TICK_S: Final = 0.5
-_KEPT: Final = "what is saved is kept: resume=RUN goes on"
+_KEPT: Final = "what is saved is kept: resume=RUN continues"
 #: Highest permitted number of workers.
 MOST_WORKERS: Final = 1024
 #: Longest permitted limit in seconds; threads cannot wait much longer.
@@ -60,7 +60,7 @@ class Replacements:
         self.made += 1
         sys.stderr.write(
             f"warning: {what}; the workers are replaced ({self.made} of at most {MOST_REPLACED} times), "
-            "and what they had begun is done again\n"
+            "and their unfinished work is done again\n"
         )
 
 
@@ -168,7 +168,7 @@ def lost_worker(asked: Sequence[BaseProcess], *, killed_only: bool = True) -> Le
     if first is None:
         return None
     code = codes[first] or 0
-    how = f"killed by signal {-code}, as where memory runs out" if code < 0 else f"ended with code {code}"
+    how = f"killed by signal {-code}, as when memory runs out" if code < 0 else f"ended with code {code}"
     return LearnerWorkerError(f"{_names([first])[0]}: {how}; {_KEPT}")
 
 

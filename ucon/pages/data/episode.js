@@ -43,7 +43,7 @@ class Side {
     const ending = row.found ? el('strong', {class: 'good'}, `found after ${row.steps} steps`) : el('strong', {class: 'bad'}, `not found: ${facts.lost || words(row.cause)}`);
     const legend = el('p', {class: 'legend'}, el('i', {style: 'background: var(--target)'}), 'target', el('i', {style: 'background: var(--opened)'}), 'opened',
       facts.beliefs.length ? [el('i', {style: 'background: var(--heat)'}), 'belief (the darker, the likelier)', el('i', {style: 'border: 2px solid var(--accent)'}), 'goal'] : null);
-    const decisions = facts.decisions.length ? this.decisions : el('p', {class: 'faint'}, 'This agent keeps none: it chooses single actions.');
+    const decisions = facts.decisions.length ? this.decisions : el('p', {class: 'faint'}, 'None: this agent chooses single actions.');
     return el('div', {class: 'panel side'}, el('h3', {}, swatch(this.run), plain(run.label)),
       el('p', {}, ending, ` \u00b7 ${row.metres.toFixed(2)} m, shortest ${row.shortest.toFixed(2)} m, SPL ${row.spl.toFixed(2)} \u00b7 `,
         row.seen < 0 ? 'target never seen' : `target first seen at step ${row.seen}`),
@@ -53,18 +53,18 @@ class Side {
       el('h3', {}, 'Habits'), this._habits(texts));
   }
 
-  /** What the agent believed of the thing that keeps the target, in words. */
+  /** How much the agent believed in the place that holds the target, in words. */
   _belief() {
     const {believed, beliefs} = this.facts;
     if (!beliefs.length) return '';
-    if (!believed) return 'The agent never had that thing among those that it believed in.';
+    if (!believed) return 'The agent\u2019s belief never included that place.';
     const [first, at, share] = believed;
-    return `The agent believed in that very thing from step ${first}, most at step ${at}: ${(100 * share).toFixed(1)} % of its belief.`;
+    return `The agent\u2019s belief included that place from step ${first} on, most at step ${at}: ${(100 * share).toFixed(1)} % of its belief.`;
   }
 
   _decisionLine(decision) {
     const line = el('li', {}, el('button', {type: 'button', class: 'to', onclick: () => this.onjump(decision.step)}, `step ${decision.step}`),
-      ' ', plain(decision.words, 'b'), decision.fallback ? el('span', {class: 'tag warm'}, `no usable answer: ${decision.failure || 'by its rule'}`) : null,
+      ' ', plain(decision.words, 'b'), decision.fallback ? el('span', {class: 'tag warm'}, `no usable answer: ${decision.failure || 'its rule chose'}`) : null,
       decision.text && !decision.asked ? el('span', {class: 'faint'}, ' ', plain(decision.text)) : null);
     const others = decision.options ? decision.options.map(([name, score], k) => el('li', {}, k === decision.chosen ? '\u2192 ' : '', plain(name), score === null ? '' : ` ${score.toFixed(3)}`))
       : (decision.others ?? []).map(([name, why]) => el('li', {}, 'or ', plain(name), ' ', plain(why)));
@@ -80,8 +80,8 @@ class Side {
 
   _habits(texts) {
     const {habits, relevance} = this.facts;
-    if (!habits) return el('p', {class: 'faint'}, 'This agent reads none.');
-    if (!habits.given.length) return el('p', {class: 'faint'}, `None is given at level ${this.index.runs[this.run].level}. ${habits.household.length} describe this household.`);
+    if (!habits) return el('p', {class: 'faint'}, 'This agent does not read habits.');
+    if (!habits.given.length) return el('p', {class: 'faint'}, `None are given at level ${this.index.runs[this.run].level}; ${habits.household.length} describe this household.`);
     const about = new Set(habits.about), given = habits.given.map((text, rank) => ({text, rank, weight: relevance[rank]}));
     const read = given.some(one => one.weight > 0);
     const first = read ? [...given].sort((a, b) => b.weight - a.weight) : given;
@@ -93,7 +93,7 @@ class Side {
       return made;
     };
     const known = new Set(habits.given), rest = habits.household.filter(text => !known.has(text));
-    return el('div', {}, el('p', {class: 'faint'}, `${given.length} given${read ? '; first those that the agent reads most from, with how much each alone says about the place' : ''}. Marked: those about the ${words(this.row.target)}. The number is the place in the agent\u2019s list.`),
+    return el('div', {}, el('p', {class: 'faint'}, `${given.length} given${read ? '; those that the agent uses most come first, with how much each alone says about the place' : ''}. Marked: those about the ${words(this.row.target)}. The number is the position in the agent\u2019s list.`),
       el('ol', {class: 'habits'}, first.slice(0, 5).map(line)),
       first.length > 5 ? list({title: `${first.length - 5} more that were given`, all: first.slice(5)}, line) : null,
       rest.length ? list({title: `${rest.length} that were not given`, all: rest}, text => el('li', {class: about.has(text) ? 'about' : '', value: 0, style: 'list-style: none'}, plain(texts[text]))) : null);
@@ -136,9 +136,9 @@ class Side {
     const [, things, goal] = belief, most = Math.max(...things.map(thing => thing[2]), 1e-9);
     for (const [category, box, share] of things) {
       drawing.box('heat', box, {class: 'heat', 'fill-opacity': (0.12 + 0.78 * share / most).toFixed(2), 'stroke-opacity': 0.8},
-        `${words(category)}: ${(100 * share).toFixed(1)} % of what it believes of things`);
+        `${words(category)}: ${(100 * share).toFixed(1)} % of its belief`);
     }
-    if (goal && at < this.row.steps) drawing.circle('heat', goal, 20, {class: 'goal'}, 'where it goes');
+    if (goal && at < this.row.steps) drawing.circle('heat', goal, 20, {class: 'goal'}, 'its goal');
   }
 }
 
@@ -179,9 +179,9 @@ async function showEpisode(view, index, episode, step, beside) {
   const button = (text, label, action) => el('button', {type: 'button', 'aria-label': label, title: label, onclick: action}, text);
   const [kind, area] = index.kinds[index.scenes.indexOf(common.scene)];
   view.replaceChildren(
-    el('div', {class: 'spread'}, el('h2', {}, 'Find the ', plain(words(common.target)), ' in ', plain(common.scene)), el('span', {class: 'faint'}, `${{scenes: 'a scene', 'own homes': 'somebody\u2019s own home'}[kind] ?? `among ${kind}`}, ${area.toFixed(0)} m\u00b2 \u00b7 ${common.split ? `${common.split} \u00b7 ` : ''}`, plain(episode.id))),
+    el('div', {class: 'spread'}, el('h2', {}, 'Find the ', plain(words(common.target)), ' in ', plain(common.scene)), el('span', {class: 'faint'}, `${{scenes: 'a scene', 'own homes': 'a user\u2019s own home'}[kind] ?? `one of the ${kind}`}, ${area.toFixed(0)} m\u00b2 \u00b7 ${common.split ? `${common.split} \u00b7 ` : ''}`, plain(episode.id))),
     el('div', {class: 'controls row'}, button('\u00ab', 'Previous episode ( [ )', () => beside(-1)), button('\u2039', 'One step back (left arrow)', () => go(at - 1)), play,
-      button('\u203a', 'One step on (right arrow)', () => go(at + 1)), button('\u00bb', 'Next episode ( ] )', () => beside(1)), slider, said, speed),
+      button('\u203a', 'One step forward (right arrow)', () => go(at + 1)), button('\u00bb', 'Next episode ( ] )', () => beside(1)), slider, said, speed),
     el('p', {class: 'faint'}, 'Keys: ', el('kbd', {}, '\u2190'), ' ', el('kbd', {}, '\u2192'), ' step, ', el('kbd', {}, 'space'), ' play, ', el('kbd', {}, '['), ' ', el('kbd', {}, ']'), ' other episodes.'),
     el('div', {class: 'sides'}, sides.map(side => side.element)));
   view.onkeydown = event => {

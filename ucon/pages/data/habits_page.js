@@ -1,4 +1,4 @@
-// Habits: the people of a home, what they say, and where each sentence can come true.
+// Habits: the people of a home, what they say, and where each sentence is possible.
 'use strict';
 
 const RELATIONS = {ontop: 'on', inside: 'in', under: 'under', nextto: 'beside'}, FIRST = 60;
@@ -6,14 +6,14 @@ const line = messageLine(), body = el('div', {});
 main.append(el('h1', {}, 'Habits'), line, body);
 const home = el('select', {id: 'home'}), other = el('input', {id: 'other-home', placeholder: 'Rs_int~3, procedural:house:17', maxlength: 100});
 const seed = el('input', {type: 'number', min: 0, max: 1000000, value: 0, id: 'seed'});
-const form = el('form', {class: 'fields'}, field('Home', home), field('Or by its name', other), field('Other people: seed', seed), el('button', {type: 'submit'}, 'Show'));
+const form = el('form', {class: 'fields'}, field('Home', home), field('Or by name', other), field('Seed (for other people)', seed), el('button', {type: 'submit'}, 'Show'));
 const search = el('input', {type: 'search', id: 'habit-search', placeholder: 'words of a sentence, a thing, a household'});
 const category = el('select', {id: 'category'}), possible = el('input', {type: 'checkbox', id: 'possible'});
 const count = el('p', {class: 'faint', role: 'status', id: 'count'}), list = el('ul', {class: 'list habits scroll', id: 'sentences', 'aria-label': 'Sentences'});
 const planBox = el('div', {}), detail = el('div', {class: 'panel card', id: 'where', 'aria-live': 'polite'});
 body.append(form, el('div', {class: 'habit-page'},
   el('section', {'aria-label': 'Sentences'}, el('div', {class: 'fields'}, field('Search', search), field('Thing', category)),
-    el('label', {class: 'row check'}, possible, 'only what can come true here'), count, list),
+    el('label', {class: 'row check'}, possible, 'only what is possible here'), count, list),
   el('section', {'aria-label': 'Where'}, detail, planBox)));
 
 let sentences = [], data = null, drawing = null, shown = FIRST;
@@ -33,7 +33,7 @@ async function load(name) {
   refill(category, el('option', {value: ''}, 'all'), ...names.map(one => el('option', {value: one}, spaced(one))));
   drawing = new Plan.Drawing(plan, `Plan of ${plan.name}`);
   refill(planBox, drawing.svg);
-  refill(detail, el('p', {class: 'faint'}, 'Choose a sentence: the plan shows where it can come true.'));
+  refill(detail, el('p', {class: 'faint'}, 'Choose a sentence to see on the plan where the habit is possible.'));
   shown = FIRST;
   fill();
   location.hash = encodeURIComponent(people.home);
@@ -44,10 +44,10 @@ function fill() {
   const found = sentences.filter(one => (!category.value || one.entry.category === category.value)
     && (!possible.checked || one.here) && words.every(word => one.low.includes(word)));
   const people = new Set(found.map(one => one.entry.household));
-  count.textContent = `${found.length} of ${sentences.length} sentences, of ${people.size} households in ${data.home}`;
+  count.textContent = `${found.length} of ${sentences.length} sentences, from ${people.size} households in ${data.home}`;
   refill(list, ...found.slice(0, shown).map(one => el('li', {}, el('button', {type: 'button', class: 'sentence', onclick: event => choose(one, event.currentTarget)},
     marked(clipped(one.text), words), el('span', {class: 'faint'}, spaced(one.entry.category), ' · ', plain(clipped(one.entry.household, 120)),
-      one.supports.length ? el('span', {class: one.here ? 'good' : 'warm'}, one.here ? ' · can come true here' : ' · not here') : null)))));
+      one.supports.length ? el('span', {class: one.here ? 'good' : 'warm'}, one.here ? ' · possible here' : ' · not possible here') : null)))));
   if (!found.length) list.append(el('li', {class: 'faint'}, 'no sentence with these words'));
   if (found.length > shown) list.append(el('li', {}, el('button', {type: 'button', onclick: () => { shown += 200; fill(); }}, `more (${found.length - shown})`)));
 }
@@ -63,15 +63,15 @@ function choose(one, button) {
   const said = place => {
     const number = (data.things[place.anchor] || []).length;
     if (!place.here) return `not here: ${spaced(place.why_not)}`;
-    return place.brought ? 'yes; the thing itself is brought into the home' : `yes, at ${number} ${number === 1 ? 'place' : 'places'} (marked on the plan)`;
+    return place.brought ? 'yes, by adding it to the home' : `yes, at ${number} ${number === 1 ? 'place' : 'places'} (marked on the plan)`;
   };
   refill(detail, el('blockquote', {}, longText(one.text)),
     el('p', {}, el('b', {}, spaced(one.entry.category)), ', ', longText(one.entry.household)),
-    one.entry.refusal ? el('p', {class: 'warm'}, `Never searched in this home: ${one.entry.refusal}.`) : null,
+    one.entry.refusal ? el('p', {class: 'warm'}, `Never a target in this home: ${one.entry.refusal}.`) : null,
     places.length ? el('ul', {}, places.map(place => el('li', {}, `${RELATIONS[place.relation]} the ${spaced(place.anchor)}`,
       place.context ? el('span', {class: 'faint'}, ' (', plain(place.context), ')') : null, ': ', el('span', {class: place.here ? 'good' : 'warm'}, said(place)))))
-      : el('p', {class: 'faint'}, 'It tells of no place.'),
-    data.labelled ? null : el('p', {class: 'faint'}, 'This dataset does not say which sentence tells of which place; these are all places of the household.'));
+      : el('p', {class: 'faint'}, 'It names no place.'),
+    data.labelled ? null : el('p', {class: 'faint'}, 'This dataset does not say which sentence supports which place; these are all places of the household.'));
   if (matchMedia('(max-width: 900px)').matches) detail.scrollIntoView({block: 'nearest'});
 }
 

@@ -7,7 +7,7 @@ const line = messageLine(), body = el('div', {});
 main.append(el('h1', {}, 'Homes'), line, body);
 
 const home = el('select', {id: 'home'}), other = el('input', {id: 'other-home', placeholder: 'Rs_int~3, procedural:house:17', maxlength: 100});
-const form = el('form', {class: 'fields'}, field('Home', home), field('Or by its name', other), el('button', {type: 'submit'}, 'Show'));
+const form = el('form', {class: 'fields'}, field('Home', home), field('Or by name', other), el('button', {type: 'submit'}, 'Show'));
 const facts = el('p', {class: 'faint', role: 'status', id: 'facts'});
 const canvas = el('canvas', {width: WIDTH, height: HEIGHT, class: 'walk', tabindex: 0, id: 'walk', role: 'img',
   'aria-label': 'The view in first person; arrow keys walk and turn, Page Up and Page Down look up and down, Enter names the thing ahead'});
@@ -58,7 +58,7 @@ async function load(name) {
   drawing.things.forEach((shape, k) => shape?.addEventListener('click', () => choose(k)));
   refill(planBox, drawing.svg);
   facts.textContent = `${plan.name}: ${spaced(plan.kind)}, ${plan.rooms.length} rooms, ${plan.area_m2} m², ${plan.things.length} things`;
-  refill(card, el('p', {class: 'faint'}, 'Click a thing in the picture or on the plan, or choose one from the list, for its card.'));
+  refill(card, el('p', {class: 'faint'}, 'Click a thing in the picture or on the plan, or choose one from the list, to see its card.'));
   pose = {...standing(), yaw: 0, pitch: 0};
   dirty = true;
   listThings();
@@ -154,7 +154,7 @@ function showCard(found) {
     el('div', {class: 'row'}, el('button', {type: 'button', onclick: () => goTo(found.thing)}, 'Go there'), found.openable ? open : null),
     el('h3', {}, 'What households keep there'),
     ...(kept.length ? kept.map(([relation, names]) => el('p', {}, el('b', {}, `${RELATIONS[relation]}: `), keptNames(names)))
-      : [el('p', {class: 'faint'}, 'No habit names such a thing as a place.')]));
+      : [el('p', {class: 'faint'}, 'No habit names this kind of thing as a place.')]));
 }
 
 function keptNames(names) {

@@ -13,13 +13,13 @@ const Lives = (() => {
 
   /** What a robot knew of the thing when it was asked. */
   function known({seen, moved}) {
-    if (seen === null) return 'it had never seen the thing';
-    const ago = seen < .5 ? 'that very day' : seen < 1.5 ? 'a day before' : `${Math.round(seen)} days before`;
-    return `it had seen the thing ${ago}, ${moved ? 'and it was moved since' : 'where it still was'}`;
+    if (seen === null) return 'the robot had never seen it';
+    const ago = seen < .5 ? 'the same day' : seen < 1.5 ? 'the day before' : `${Math.round(seen)} days before`;
+    return `the robot had last seen it ${ago}, ${moved ? 'and it had been moved since' : 'and it was still there'}`;
   }
   const ending = row => row.found ? `found in ${row.steps} steps, SPL ${row.spl.toFixed(2)}` : `not found (${named(row.cause)}, ${row.steps} steps)`;
   const asker = row => row.user === undefined ? '' : ` for person ${row.user + 1}`;
-  const said = (life, row) => `${dayName(life, row.day)}, ${SLOTS[row.slot]}: ${named(row.target)}${asker(row)}, ${ending(row)}; ${known(row)}${row.changed ? '; its habits have changed' : ''}`;
+  const said = (life, row) => `${dayName(life, row.day)}, ${SLOTS[row.slot]}: ${named(row.target)}${asker(row)}, ${ending(row)}; ${known(row)}${row.changed ? '; the habits for it have changed' : ''}`;
 
   /** One request in the calendar: darker with its SPL; red, with a cross, where the thing was not found. */
   const request = (life, row) => el('button', {type: 'button', class: row.found ? 'ask' : 'ask lost', tabindex: -1, title: said(life, row), 'aria-label': said(life, row),
@@ -53,7 +53,7 @@ const Lives = (() => {
    * (of day 0), change (day) and occasions. `onchoose(target)` is called for a request that is chosen.
    */
   function calendar(life, rows, onchoose = null) {
-    const line = el('p', {class: 'faint ask-line'}, 'Point at a request, or go through them with the arrow keys.');
+    const line = el('p', {class: 'faint ask-line'}, 'Point at a request, or move between requests with the arrow keys.');
     const cell = (day, slot) => el('td', {class: day === life.change ? 'changed' : ''}, el('div', {class: 'asks'},
       rows.filter(row => row.day === day && row.slot === slot).map(row => {
         const made = request(life, row), show = () => { line.textContent = said(life, row); };
@@ -77,8 +77,8 @@ const Lives = (() => {
   function calendarLegend(life) {
     const key = (cls, text, mark = '', style = null) => el('span', {}, el('i', {class: `ask ${cls}`, style, 'aria-hidden': 'true'}, mark), text);
     const sign = text => el('span', {class: 'warm'}, `${text} `);
-    return el('p', {class: 'keys'}, key('', 'found by a detour', '', '--spl: 25%'), key('', 'found on the shortest path (SPL 1)', '', '--spl: 100%'), key('lost', 'not found', '\u00d7'),
-      life.change === null || life.change === undefined ? null : el('span', {}, sign('\u25b2'), 'habits of some things change that morning'),
+    return el('p', {class: 'keys'}, key('', 'found after a detour', '', '--spl: 25%'), key('', 'found on the shortest path (SPL 1)', '', '--spl: 100%'), key('lost', 'not found', '\u00d7'),
+      life.change === null || life.change === undefined ? null : el('span', {}, sign('\u25b2'), 'the habits for some things change that morning'),
       life.occasions?.length ? el('span', {}, sign('\u2605'), 'a day with an occasion') : null);
   }
 
@@ -96,7 +96,7 @@ const Lives = (() => {
   function requestWords(life, thing, row) {
     const held = row.believed ?? [];
     return `${dayName(life, row.day)}, ${SLOTS[row.slot]}: ${ending(row)}. It was ${thing.places[placeAt(thing, timeOf(row))]}; `
-      + (row.believed ? held.length ? `the robot believed: ${held.map(one => heldWords(thing, one)).join('; ')}.` : 'the robot remembered no place of it.' : `${known(row)}.`);
+      + (row.believed ? held.length ? `the robot believed: ${held.map(one => heldWords(thing, one)).join('; ')}.` : 'the robot remembered no place for it.' : `${known(row)}.`);
   }
 
   /** Days and their slots as a grid, with the names of the days above. */
@@ -114,7 +114,7 @@ const Lives = (() => {
   function truthLine(life, thing, svg, step, y) {
     const end = SLOTS.length * life.days;
     const points = thing.at.flatMap(([time, place], k) => [[time, place], [thing.at[k + 1]?.[0] ?? end, place]]);
-    svg.append(node('polyline', {points: points.map(([time, place]) => `${time * step},${y(place)}`).join(' '), class: 'truth'}, 'where it truly was'));
+    svg.append(node('polyline', {points: points.map(([time, place]) => `${time * step},${y(place)}`).join(' '), class: 'truth'}, 'where it actually was'));
   }
 
   function requestMark(life, thing, row, svg, {x, y, step, elsewhere, onread}) {
@@ -136,31 +136,31 @@ const Lives = (() => {
     const height = TOP + ROW * (count + 1 + believes), y = row => TOP + ROW * (row + 1.5);
     const svg = node('svg', {width: SLOTS.length * life.days * step + 2, height, class: 'timeline', role: 'group', 'aria-label': `Where the ${named(thing.name)} was, and requests for it`});
     timeGrid(life, svg, step, height);
-    if (thing.change) svg.append(node('line', {x1: SLOTS.length * life.change * step, x2: SLOTS.length * life.change * step, y1: TOP - 16, y2: height, class: 'change'}, 'its habits change'));
+    if (thing.change) svg.append(node('line', {x1: SLOTS.length * life.change * step, x2: SLOTS.length * life.change * step, y1: TOP - 16, y2: height, class: 'change'}, 'the habits for it change'));
     truthLine(life, thing, svg, step, y);
-    const line = el('p', {class: 'ask-line'}, mine.length ? 'Point at a mark, or go through them with the Tab key.' : 'The robot was never asked for it.');
+    const line = el('p', {class: 'ask-line'}, mine.length ? 'Point at a mark, or move between marks with the Tab key.' : 'The robot was never asked for it.');
     for (const row of mine) requestMark(life, thing, row, svg, {x: (timeOf(row) + .5) * step, y, step, elsewhere: believes ? elsewhere : count - 1, onread: text => { line.textContent = text; }});
     const labels = ['asked for', ...thing.places.map((text, k) => thing.mistakes.includes(k) ? `${text} (by mistake)` : text), ...(believes ? ['elsewhere'] : [])];
     const names = el('div', {class: 'places', style: `padding-top: ${TOP}px`}, labels.map((text, k) => el('div', {class: k && k <= count ? '' : 'faint', title: text}, plain(text))));
-    return el('div', {}, el('div', {class: 'thing-line', tabindex: 0, role: 'region', 'aria-label': 'Timeline, to be scrolled sideways'}, names, svg), line, timelineLegend(thing, believes, rows.some(row => row.believed)));
+    return el('div', {}, el('div', {class: 'thing-line', tabindex: 0, role: 'region', 'aria-label': 'Timeline, scrolls sideways'}, names, svg), line, timelineLegend(thing, believes, rows.some(row => row.believed)));
   }
 
   function timelineLegend(thing, believes, remembers) {
-    return el('ul', {class: 'keys'}, el('li', {}, el('i', {class: 'key-truth'}), 'where the thing truly was, told to no robot'),
+    return el('ul', {class: 'keys'}, el('li', {}, el('i', {class: 'key-truth'}), 'where the thing actually was (the robot is not told)'),
       el('li', {}, el('i', {class: 'key-found'}), 'asked for and found; ', el('b', {class: 'bad'}, '\u00d7'), ' not found'),
-      believes ? el('li', {}, el('i', {class: 'key-held'}), 'where the robot believed it to be before it set out: the fuller the dot, the surer. A dot on the line is right; "elsewhere" is farther than 0.6 m from every place of the thing')
-        : el('li', {}, remembers ? 'whenever it was asked for, the robot remembered no place of it' : 'no beliefs: this robot remembers no places, or the run is older than records of beliefs'),
-      thing.change ? el('li', {}, el('i', {class: 'key-change'}), 'the household keeps it by other habits from here on') : null);
+      believes ? el('li', {}, el('i', {class: 'key-held'}), 'where the robot believed it to be before it set out: the more solid the dot, the more certain. A dot on the line is right; "elsewhere" is more than 0.6 m from every place of the thing')
+        : el('li', {}, remembers ? 'the robot never remembered a place for it when asked for it' : 'no beliefs: this robot remembers no places, or the run predates the recording of beliefs'),
+      thing.change ? el('li', {}, el('i', {class: 'key-change'}), 'from here on, the household has other habits for it') : null);
   }
 
   /** Figures by day, averaged over lives; `runs`: {label, color, curves: {sr, spl}}. A band is drawn for a single run. */
   function byDay(runs) {
-    if (runs.every(run => run.curves.spl.length < 2)) return el('p', {class: 'faint'}, 'A curve by day is drawn from the second day on.');
+    if (runs.every(run => run.curves.spl.length < 2)) return el('p', {class: 'faint'}, 'The curve by day appears once there are two days.');
     const chart = (name, title, format) => {
       const series = runs.filter(run => run.curves[name].length > 1).map(({label, color, curves}) => ({label, color, points: curves[name].map(([day, mean]) => [day, mean]),
         band: runs.length === 1 ? curves[name].map(([day, , low, high]) => [day, low, high]).filter(([, low]) => low !== null) : null}));
       return el('figure', {class: 'panel'}, el('figcaption', {}, `${title} by day of the life, averaged over lives${series[0].band?.length ? ', with the 95 % interval over lives' : ''}`),
-        Charts.lines(series, {x: 'day', y: title, low: 0, high: 1, format, label: `${title} by day: ${series.map(({label, points}) => `${label}, ${format(points[0][1])} at first and ${format(points.at(-1)[1])} at last`).join('; ')}`}));
+        Charts.lines(series, {x: 'day', y: title, low: 0, high: 1, format, label: `${title} by day: ${series.map(({label, points}) => `${label}, ${format(points[0][1])} on the first day and ${format(points.at(-1)[1])} on the last`).join('; ')}`}));
     };
     return el('div', {class: 'cards'}, chart('spl', 'SPL', value => Charts.short(value)), chart('sr', 'SR %', value => (100 * value).toFixed(0)));
   }

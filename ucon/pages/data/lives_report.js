@@ -2,7 +2,7 @@
 'use strict';
 
 function curveSection({runs}) {
-  return el('section', {id: 'curve'}, el('h2', {}, 'Does it get better as the robot lives there?'),
+  return el('section', {id: 'curve'}, el('h2', {}, 'Does the robot get better as it lives in the home?'),
     Lives.byDay(runs.map((run, k) => ({label: run.label, color: colorOf(k), curves: run.curves}))),
     el('p', {}, runs.map((run, k) => el('span', {class: 'key'}, swatch(k), plain(run.label), ' '))));
 }
@@ -10,13 +10,13 @@ function curveSection({runs}) {
 function groupsSection({groups, runs}) {
   return el('section', {id: 'groups'}, el('h2', {}, 'By kind of request'),
     el('div', {class: 'panel wide'}, groupsTable('requests', groups, runs)),
-    el('p', {class: 'faint'}, 'Intervals draw whole lives (requests, where a kind is of one life alone). Days count from 1; "seen" is by the robot, in any request before.'));
+    el('p', {class: 'faint'}, 'Intervals resample whole lives (requests, if a kind occurs in one life only). Days count from 1; "seen" means seen by the robot in an earlier request.'));
 }
 
 /** A life in a line. */
 function lifeName(life, number) {
   const occasions = life.occasions.map(([day, name]) => `${words(name)} on day ${day + 1}`);
-  return [`${number + 1}: ${life.scene}`, life.users === 1 ? '1 person' : `${life.users} people`, `day 1 a ${Lives.WEEKDAYS[life.weekday]}`, words(life.season), ...occasions,
+  return [`${number + 1}: ${life.scene}`, life.users === 1 ? '1 person' : `${life.users} people`, `day 1 is a ${Lives.WEEKDAYS[life.weekday]}`, words(life.season), ...occasions,
     life.change === null ? 'no change' : `change on day ${life.change + 1}`].join(', ');
 }
 
@@ -83,9 +83,9 @@ async function start() {
   const page = document.getElementById('page'), index = await unpack('index'), view = new LifeView(index);
   const count = (n, one, many) => `${n} ${n === 1 ? one : many}`;
   page.replaceChildren(
-    el('header', {class: 'spread'}, el('div', {}, el('h1', {}, 'UcON: a robot that lives there'),
+    el('header', {class: 'spread'}, el('div', {}, el('h1', {}, 'UcON: a robot that lives in the home'),
       el('p', {class: 'faint'}, `Report of ${count(index.runs.length, 'run', 'runs')} in ${count(index.lives.length, 'life', 'lives')}, made by UcON ${index.version}. `
-        + 'In a life a robot stays in a home for days and is asked for things that the household uses and puts elsewhere.')), themeButton()),
+        + 'In a life, a robot stays in a home for days and is asked for things that the household uses and moves.')), themeButton()),
     runsSection(index, 'requests'), curveSection(index), groupsSection(index), view.section);
   await view.show();
   document.documentElement.dataset.ready = 'true';

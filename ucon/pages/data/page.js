@@ -21,7 +21,7 @@ const percent = (share, digits = 1) => (100 * share).toFixed(digits);
 
 /** The button that goes through light, dark, and as the system has it. */
 function themeButton() {
-  const names = {auto: 'as the system', light: 'light', dark: 'dark'};
+  const names = {auto: 'system', light: 'light', dark: 'dark'};
   let theme = 'auto';
   try { theme = localStorage.getItem('ucon-theme') || 'auto'; } catch { /* a file opened without storage */ }
   const button = el('button', {type: 'button', id: 'theme'});

@@ -3,7 +3,7 @@
 
 const ACTIONS = [
   {action: 2, keys: ['ArrowLeft'], key: '←', name: 'Turn left'},
-  {action: 0, keys: ['ArrowUp'], key: '↑', name: 'Go ahead'},
+  {action: 0, keys: ['ArrowUp'], key: '↑', name: 'Move ahead'},
   {action: 1, keys: ['ArrowRight'], key: '→', name: 'Turn right'},
   {action: 3, keys: ['w'], key: 'W', name: 'Look up'},
   {action: 5, keys: ['o'], key: 'O', name: 'Open'},
@@ -45,9 +45,9 @@ async function start() {
   });
   refill(body, 
     el('p', {}, 'You stand in a home that you do not know, and look for one thing. You get what an agent gets: the '
-      + 'picture from where you stand, the names of what is in view, the sentences of the household, and 300 steps. '
+      + 'picture from where you stand, the names of what is in view, sentences about the household’s habits, and 300 steps. '
       + 'You are done when the thing is in view, within 1 m, and you say so.'),
-    form, left.length ? [el('h2', {}, 'Begun before'), leftList(left)] : null, el('h2', {}, 'Keys'), keyTable(rules));
+    form, left.length ? [el('h2', {}, 'Earlier runs'), leftList(left)] : null, el('h2', {}, 'Keys'), keyTable(rules));
   name.focus();
 }
 
@@ -63,12 +63,12 @@ function leftList(left) {
     el('td', {}, plain(one.player)), el('td', {class: 'left'}, one.level), el('td', {class: 'left'}, `${one.episodes}`),
     el('td', {}, `${one.done} of ${one.n}`),
     el('td', {}, one.finished ? el('span', {class: 'faint', title: one.run}, 'finished')
-      : el('button', {type: 'button', 'aria-label': `Go on: ${one.player}, ${one.level}, ${one.episodes}`, onclick: () => begin(one)}, 'Go on')))))));
+      : el('button', {type: 'button', 'aria-label': `Continue: ${one.player}, ${one.level}, ${one.episodes}`, onclick: () => begin(one)}, 'Continue')))))));
 }
 
 async function begin(options) {
   const {player, level, episodes, n, picture_px} = options;
-  body.append(el('p', {role: 'status', id: 'wait'}, 'The home is being opened …'));
+  body.append(el('p', {role: 'status', id: 'wait'}, 'Opening the home …'));
   await shownIn(line, async () => {
     const opened = await tell('play/begin', {player, level, episodes, n, picture_px});
     game = opened.game;
@@ -103,7 +103,7 @@ async function show(state, rules) {
     await shownIn(line, async () => {
       const next = await tell('play/act', sent);
       await update(next);
-      if (next.dropped) line.textContent = 'That key did nothing: somebody else plays under this name, or you do in another tab.';
+      if (next.dropped) line.textContent = 'That key did nothing: somebody else is playing under this name, or you are in another tab.';
     });
     busy = false;
   };
@@ -132,12 +132,12 @@ function searching(rules) {
     onclick: () => act(one.action)}, el('span', {}, one.name), el('kbd', {}, one.key))));
   const whole = el('div', {},
     el('div', {class: 'status'}, el('span', {}, 'Find the ', target), el('span', {}, steps, ' steps left ', bar), where,
-      el('button', {type: 'button', onclick: () => shownIn(line, start)}, 'Leave (goes on later)')),
+      el('button', {type: 'button', onclick: () => shownIn(line, start)}, 'Leave (continue later)')),
     context,
     el('div', {class: 'play'},
       el('section', {'aria-label': 'View and actions'}, eye, effect, pad),
       el('section', {}, el('h2', {}, 'In view'), things, el('h2', {}, 'Seen so far'), seen,
-        el('p', {class: 'faint'}, 'Drawn from what you have seen alone; up is to the left of your first look.')),
+        el('p', {class: 'faint'}, 'Drawn only from what you have seen; your first view faced right.')),
       el('section', {class: 'third'}, el('div', {class: 'spread'}, el('h2', {}, 'Habits ', count), search), list)));
   return {
     whole,
@@ -154,7 +154,7 @@ function searching(rules) {
       refill(things, ...now.things.map(thing => el('li', {
         class: `${thing.metres <= 1 ? 'reach' : ''}${thing.target ? ' goal' : ''}`},
       `${thing.name} ${thing.metres.toFixed(1)} m${thing.opened ? ', opened' : ''}`)));
-      if (!now.things.length) things.append(el('li', {}, 'nothing with a name'));
+      if (!now.things.length) things.append(el('li', {}, 'no named thing'));
     },
     habits: texts => { sentences = texts; listed(); },
   };
@@ -163,9 +163,9 @@ function searching(rules) {
 /** The end of one search. */
 async function result(state, rules, episode = state.last) {
   const end = await ask('play/result', {game, episode});
-  const drawing = new Plan.Drawing(end.plan, `Plan of ${end.home} with your way and the shortest one`, end.turn);
+  const drawing = new Plan.Drawing(end.plan, `Plan of ${end.home} with your path and the shortest one`, end.turn);
   drawEnd(drawing, end);
-  const next = el('button', {type: 'button', class: 'main big', onclick: () => shownIn(line, () => show(state, rules))}, state.view ? 'Next search' : 'To the figures');
+  const next = el('button', {type: 'button', class: 'main big', onclick: () => shownIn(line, () => show(state, rules))}, state.view ? 'Next search' : 'Show the figures');
   const row = (name, own, best) => el('tr', {}, el('td', {}, name), el('td', {}, own), el('td', {}, best));
   refill(body, el('div', {class: 'result'},
     el('section', {'aria-label': 'The home'}, drawing.svg),
@@ -173,9 +173,9 @@ async function result(state, rules, episode = state.last) {
       el('h2', {class: end.success ? 'good' : 'bad', id: 'ending'}, end.success ? `Found the ${end.target}` : `Not found: the ${end.target}`),
       end.why ? el('p', {}, end.why) : null, el('p', {}, `It was ${end.place}.`),
       el('table', {}, el('thead', {}, el('tr', {}, ['', 'you', 'shortest'].map(text => el('th', {}, text)))),
-        el('tbody', {}, row('way, m', end.path_m.toFixed(2), end.shortest_m.toFixed(2)), row('steps', end.steps, ''),
+        el('tbody', {}, row('path, m', end.path_m.toFixed(2), end.shortest_m.toFixed(2)), row('steps', end.steps, ''),
           row('blocked moves', end.collisions, ''), row('times opened', end.opens, ''), row('SPL', end.spl.toFixed(3), '1'))),
-      el('p', {class: 'faint'}, el('span', {class: 'key-line'}), 'your way ', el('span', {class: 'key-line shortest'}), 'the shortest; ★ the target; turned as the map of what you had seen'),
+      el('p', {class: 'faint'}, el('span', {class: 'key-line'}), 'your path ', el('span', {class: 'key-line shortest'}), 'the shortest path; ★ the target; oriented like the map of what you had seen'),
       next)));
   next.focus();
 }
@@ -203,7 +203,7 @@ function finished(state) {
       el('td', {}, one.target), el('td', {class: `left ${one.success ? 'good' : 'bad'}`}, one.success ? 'found' : one.why), el('td', {}, `${one.steps} steps`),
       el('td', {}, `SPL ${one.spl.toFixed(3)}`), el('td', {}, el('button', {type: 'button', 'aria-label': `Map of the search for the ${one.target}`,
         onclick: () => shownIn(line, () => result(state, [], one.episode))}, 'Map'))))))),
-    el('p', {}, 'Your run stands beside those of agents: ', el('code', {class: 'plain'}, `python -m ucon compare ${state.run} RUN`)),
+    el('p', {}, 'Compare your run with those of agents: ', el('code', {class: 'plain'}, `python -m ucon compare ${state.run} RUN`)),
     el('button', {type: 'button', class: 'main', onclick: () => shownIn(line, start)}, 'Play more'));
 }
 

@@ -14,8 +14,8 @@ function endingsSection(index) {
   const rows = [['found', 'var(--good)'], ...causes.map((cause, k) => [cause, `color-mix(in srgb, var(--bad) ${95 - 17 * (k % 5)}%, var(--panel))`])];
   const count = (run, name) => run.rows.filter(r => (r.found ? 'found' : r.cause) === name).length;
   return el('section', {id: 'endings'}, el('h2', {}, 'How searches end'), el('div', {class: 'cards'},
-    el('div', {class: 'panel'}, el('h3', {}, 'Success rate within so many steps'),
-      Charts.lines(curves, {x: 'steps', y: 'SR %', low: 0, high: 1, format: v => (100 * v).toFixed(0), label: 'Success rate over steps, one line a run'}),
+    el('div', {class: 'panel'}, el('h3', {}, 'Success rate within N steps'),
+      Charts.lines(curves, {x: 'steps', y: 'SR %', low: 0, high: 1, format: v => (100 * v).toFixed(0), label: 'Success rate over steps, one line per run'}),
       index.runs.map((run, k) => el('div', {}, swatch(k), plain(run.label)))),
     el('div', {class: 'panel'}, el('h3', {}, 'Endings'),
       index.runs.map((run, k) => el('div', {}, el('div', {}, swatch(k), plain(run.label)), el('div', {class: 'bar', 'aria-hidden': 'true'},
@@ -97,7 +97,7 @@ function listSection(index, episodes, onopen) {
       select('Relation', relations, set('relation')), el('label', {}, 'sort: ', select('Sort', Object.entries(SORTS).filter(([name]) => name !== 'gap' || index.runs.length > 1).map(([name, [text]]) => [name, text]), set('sort')))),
     count, el('div', {class: 'panel scroll'}, el('table', {}, el('thead', {}, el('tr', {}, el('th', {scope: 'col'}, 'target'),
       index.runs.map((run, k) => [el('th', {scope: 'col', class: 'left'}, swatch(k), 'ending'), el('th', {scope: 'col'}, 'steps'), el('th', {scope: 'col'}, 'SPL')]).flat(),
-      ['kept', 'home'].map(text => el('th', {scope: 'col', class: 'left'}, text)))), body)), more),
+      ['relation', 'home'].map(text => el('th', {scope: 'col', class: 'left'}, text)))), body)), more),
   };
 }
 

@@ -6,7 +6,7 @@ const EVERY_MS = 2000;
 const line = messageLine(), polls = messageLine(), body = el('div', {});
 main.append(el('h1', {}, 'Runs'), line, polls, body);
 const search = el('input', {type: 'search', placeholder: 'search', 'aria-label': 'Search the runs', id: 'run-search'});
-const kind = choiceOf(['all', 'eval', 'train'], 'all', {all: 'all', eval: 'evaluations', train: 'trainings'});
+const kind = choiceOf(['all', 'eval', 'train'], 'all', {all: 'all', eval: 'evaluations', train: 'training runs'});
 kind.setAttribute('aria-label', 'Kind');
 const count = el('span', {class: 'faint', role: 'status'}), table = el('div', {class: 'wide'}), figures = el('div'), lives = new LiveLives(), detail = el('section', {class: 'run-detail', id: 'detail', 'aria-label': 'The chosen run'}, figures, lives.node);
 body.append(el('div', {class: 'row'}, search, kind, count), el('div', {class: 'runs'}, table, detail));
@@ -25,12 +25,12 @@ function fill() {
     && words.every(word => `${run.name} ${run.label} ${run.level} ${state(run)}`.toLowerCase().includes(word)));
   count.textContent = found.length === total ? `${total} runs` : `${found.length} of ${total} runs`;
   if (!runs.length) {
-    refill(table, el('p', {class: 'faint'}, 'No run is here yet. One appears as soon as eval.py or train.py has written its first line.'));
+    refill(table, el('p', {class: 'faint'}, 'No runs yet. A run appears as soon as eval.py or train.py has written its first line.'));
     return;
   }
   const kept = document.activeElement?.dataset?.run;
   refill(table, el('table', {}, el('thead', {}, el('tr', {},
-    ['run', 'what', 'habits', 'state', 'done', 'SR % [95 %]', 'SPL', 'age'].map((text, k) => el('th', {class: k < 4 ? 'left' : ''}, text)))),
+    ['run', 'agent', 'habits', 'state', 'done', 'SR % [95 %]', 'SPL', 'age'].map((text, k) => el('th', {class: k < 4 ? 'left' : ''}, text)))),
   el('tbody', {}, found.map(run => el('tr', {class: run.id === chosen ? 'chosen' : ''},
     el('td', {class: 'run-name'}, el('button', {type: 'button', class: 'link', 'data-run': run.id, 'aria-pressed': run.id === chosen, onclick: () => choose(run.id)}, plain(run.name))),
     el('td', {class: 'left what', title: run.problem || ''}, plain(run.label || '')), el('td', {class: 'left'}, plain(run.level || '')),
@@ -52,7 +52,7 @@ async function choose(id) {
 
 async function one() {
   if (!chosen) {
-    refill(figures, el('p', {class: 'faint'}, 'Choose a run for its curves and figures.'));
+    refill(figures, el('p', {class: 'faint'}, 'Choose a run to see its curves and figures.'));
     return;
   }
   const asked = chosen, run = await ask('runs/one', {run: asked});
@@ -76,10 +76,10 @@ async function one() {
 
 /** The link to a run's report, and the button that makes it. */
 function reportLine(run) {
-  const link = run.report ? el('a', {href: `report/${run.id}`, target: '_blank', rel: 'noopener noreferrer', id: 'report'}, 'Its report') : null;
+  const link = run.report ? el('a', {href: `report/${run.id}`, target: '_blank', rel: 'noopener noreferrer', id: 'report'}, 'Open the report') : null;
   const make = el('button', {type: 'button', id: 'make-report', disabled: run.making, onclick: () => shownIn(line, async () => { await tell('runs/report', {run: run.id}); await one(); })},
-    run.making ? 'The report is being made' : run.report ? 'Make it anew' : 'Make its report');
-  return run.can_report || link ? el('p', {class: 'row'}, link, link ? el('span', {class: 'faint'}, 'opens in a tab of its own') : null, run.can_report ? make : null, run.fault ? el('span', {class: 'bad plain'}, run.fault) : null) : null;
+    run.making ? 'The report is being made' : run.report ? 'Make it again' : 'Make a report');
+  return run.can_report || link ? el('p', {class: 'row'}, link, link ? el('span', {class: 'faint'}, 'opens in a new tab') : null, run.can_report ? make : null, run.fault ? el('span', {class: 'bad plain'}, run.fault) : null) : null;
 }
 
 async function list() {

@@ -21,7 +21,7 @@ async function answered(request) {
     throw new Error('The server does not answer. Start it again: python -m ucon serve');
   }
   const value = await response.json().catch(() => ({error: response.status === 404
-    ? 'The server was started anew: open the address that it printed' : `answer ${response.status}`}));
+    ? 'The server was restarted: open the address that it printed' : `answer ${response.status}`}));
   if (!response.ok) throw new Error(value.error || `answer ${response.status}`);
   return value;
 }
@@ -91,5 +91,5 @@ const clipped = (text, most = 600) => visible(text.length > most ? `${text.slice
 function longText(text) {
   if (text.length <= 2000) return plain(visible(text));
   return el('span', {}, plain(clipped(text)), ' ', el('button', {type: 'button', onclick: event => event.currentTarget.replaceWith(
-    el('span', {class: 'plain scroll whole-text', dir: 'auto', tabindex: 0}, visible(text)))}, `all ${text.length} characters`));
+    el('span', {class: 'plain scroll whole-text', dir: 'auto', tabindex: 0}, visible(text)))}, `show all ${text.length} characters`));
 }

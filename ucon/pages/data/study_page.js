@@ -24,15 +24,15 @@ async function start() {
   const name = el('input', {id: 'study-name', required: true, maxlength: 40, pattern: '[A-Za-z0-9][A-Za-z0-9_\\-]*', value: studies.length ? '' : 'habits'});
   const n = el('input', {type: 'number', min: 2, max: 5000, value: 20, required: true, id: 'study-n'});
   const seed = el('input', {type: 'number', min: 0, max: 1000000, value: 0, required: true});
-  const form = el('form', {class: 'fields'}, field('Name (letters a to z, digits, _ and -)', name), field('Items', n), field('Seed', seed), el('button', {type: 'submit', class: studies.length ? '' : 'main'}, 'Draw it'));
+  const form = el('form', {class: 'fields'}, field('Name (letters a to z, digits, _ and -)', name), field('Items', n), field('Seed', seed), el('button', {type: 'submit', class: studies.length ? '' : 'main'}, 'Create the study'));
   form.addEventListener('submit', event => {
     event.preventDefault();
     shownIn(line, async () => { await tell('study/make', {study: name.value, n: Number(n.value), seed: Number(seed.value)}); await start(); });
   });
   refill(body,
-    el('p', {}, 'Each item is a sentence about somebody’s habits, an OBJECT and a PLACE. Two questions: could a real person have this habit, and would you look for the object there after reading it? Leave out what you cannot answer; nobody is tested.'),
+    el('p', {}, 'Each item is a sentence about somebody’s habits, an OBJECT and a PLACE. Two questions: could a real person have this habit, and would you look for the object there after reading it? Skip what you cannot answer; this is not a test.'),
     studies.length ? [el('div', {class: 'fields'}, field('Your name or initials (letters a to z, digits, _ and -)', who)), el('div', {class: 'cards'}, studies.map(one => el('div', {class: 'panel'},
-      el('h2', {}, plain(one.name)), el('p', {class: 'faint'}, one.items === null ? 'its key is damaged' : `${one.items} items; raters: `, one.items === null ? null : plain(one.raters.join(', ') || 'none yet')),
+      el('h2', {}, plain(one.name)), el('p', {class: 'faint'}, one.items === null ? 'the key is damaged' : `${one.items} items; raters: `, one.items === null ? null : plain(one.raters.join(', ') || 'none yet')),
       el('div', {class: 'row'}, el('button', {type: 'button', class: 'main', 'aria-label': `Answer ${one.name}`, onclick: () => open(one.name)}, 'Answer'),
         el('button', {type: 'button', 'aria-label': `Figures of ${one.name}`, onclick: () => shownIn(line, () => figures(one.name))}, 'Figures')))))] : null,
     el('h2', {}, 'A new study'), form);
@@ -62,10 +62,10 @@ function show() {
     keys = () => {};
     const written = el('p', {}), any = data.items.some(one => said(one).some(value => value !== null));
     if (any) saving.then(() => refill(written, link('sheet', {study, rater}, 'Your sheet (CSV)', `${rater}.csv`)));
-    refill(body, progress, el('h2', {id: 'thanks'}, done === total ? 'All is answered. Thank you!' : 'That was the last item'),
+    refill(body, progress, el('h2', {id: 'thanks'}, done === total ? 'All items are answered. Thank you!' : 'That was the last item'),
       written,
-      el('div', {class: 'row'}, done < total ? el('button', {type: 'button', class: 'main', onclick: () => { at = data.items.findIndex(one => !isWhole(one)); show(); }}, 'To what is left out') : null,
-        el('button', {type: 'button', onclick: () => { at = total - 1; show(); }}, 'Back'), el('button', {type: 'button', class: done === total ? 'main' : '', onclick: () => shownIn(line, start)}, 'To the studies')));
+      el('div', {class: 'row'}, done < total ? el('button', {type: 'button', class: 'main', onclick: () => { at = data.items.findIndex(one => !isWhole(one)); show(); }}, 'To the skipped items') : null,
+        el('button', {type: 'button', onclick: () => { at = total - 1; show(); }}, 'Back'), el('button', {type: 'button', class: done === total ? 'main' : '', onclick: () => shownIn(line, start)}, 'Back to the studies')));
     return;
   }
   const one = data.items[at], [real, look] = said(one);
@@ -78,10 +78,10 @@ function show() {
     el('fieldset', {}, el('legend', {}, 'Is this a habit a real person could have?'), choice('real', [1, 2, 3, 4, 5], real, {1: '1 surely not', 5: '5 surely'})),
     el('fieldset', {}, el('legend', {}, `Would you look for the ${one.object} there after reading it?`), choice('look', ['yes', 'unsure', 'no'], look, {})),
     el('div', {class: 'row'}, el('button', {type: 'button', disabled: at === 0, onclick: () => go(-1)}, 'Back'),
-      el('button', {type: 'button', class: isWhole(one) ? 'main' : '', id: 'next', onclick: () => go(1)}, isWhole(one) ? 'Next' : 'Leave out'),
+      el('button', {type: 'button', class: isWhole(one) ? 'main' : '', id: 'next', onclick: () => go(1)}, isWhole(one) ? 'Next' : 'Skip'),
       real !== null || look !== null ? el('button', {type: 'button', onclick: () => save(one, 'none', null)}, 'Clear both') : null,
       el('span', {class: 'faint'}, 'keys: ', el('kbd', {}, '1'), '–', el('kbd', {}, '5'), ' ', el('kbd', {}, 'Y'), ' ', el('kbd', {}, 'U'), ' ', el('kbd', {}, 'N'), ', then ', el('kbd', {}, 'Enter')))),
-  el('p', {}, el('button', {type: 'button', onclick: () => shownIn(line, start)}, 'Leave (goes on later)')));
+  el('p', {}, el('button', {type: 'button', onclick: () => shownIn(line, start)}, 'Leave (continue later)')));
   keys = event => {
     const key = event.key.toLowerCase();
     if ('12345'.includes(key) && key.length === 1) save(one, 'real', Number(key));
@@ -123,7 +123,7 @@ async function figures(name) {
   const {figures: f} = await ask('study/figures', {study: name});
   const row = (text, found, low, high) => el('tr', {}, el('td', {}, text), el('td', {}, found ? found.mean.toFixed(3) : '–'),
     el('td', {}, found ? `${found.low.toFixed(3)} to ${found.high.toFixed(3)}` : 'not defined'), el('td', {}, found ? found.n : '–'), el('td', {}, Charts.bar(found, low, high)));
-  const back = el('button', {type: 'button', onclick: () => shownIn(line, start)}, 'To the studies');
+  const back = el('button', {type: 'button', onclick: () => shownIn(line, start)}, 'Back to the studies');
   if (!f) { refill(body, el('h2', {}, plain(name)), el('p', {class: 'faint'}, 'Nobody has answered yet.'), back); return; }
   const share = value => value === null ? '–' : value.toFixed(2);
   refill(body, el('h2', {id: 'figures'}, plain(name), `: ${f.raters} ${f.raters === 1 ? 'rater' : 'raters'}, ${f.items} items`),
@@ -134,7 +134,7 @@ async function figures(name) {
     el('div', {class: 'wide'}, el('table', {}, el('thead', {}, el('tr', {}, ['rater', 'real', 'yes, true', 'yes, swapped', 'sheet'].map(text => el('th', {}, text)))), el('tbody', {},
       Object.entries(f.by_rater).map(([who, one]) => el('tr', {}, el('td', {}, plain(who)), el('td', {}, share(one.real)), el('td', {}, share(one.yes_true)), el('td', {}, share(one.yes_swapped)),
         el('td', {}, link('sheet', {study: name, rater: who}, 'CSV', `${who}.csv`))))))),
-    el('details', {}, el('summary', {}, 'For whoever runs the study'), el('p', {}, link('key', {study: name}, 'The key (CSV)', `${name}.key.csv`), ' says which places are true. Raters must not see it. The same figures come from ', el('code', {}, 'python -m ucon habits survey score KEY.csv SHEET.csv ...'))),
+    el('details', {}, el('summary', {}, 'For the person who runs the study'), el('p', {}, link('key', {study: name}, 'The key (CSV)', `${name}.key.csv`), ' says which places are true. Raters must not see it. The same figures come from ', el('code', {}, 'python -m ucon habits survey score KEY.csv SHEET.csv ...'))),
     el('p', {}, back));
 }
 

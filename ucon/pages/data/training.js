@@ -16,7 +16,7 @@ function curvesOf(curves) {
 }
 
 function trainingPage({folder, steps, curves, card, config}) {
-  return [el('section', {}, el('h2', {}, plain(folder)), el('p', {class: 'faint'}, `${steps.toLocaleString('en')} steps learned.`), curvesOf(curves)),
+  return [el('section', {}, el('h2', {}, plain(folder)), el('p', {class: 'faint'}, `${steps.toLocaleString('en')} training steps.`), curvesOf(curves)),
     card ? el('section', {}, el('h2', {}, 'Model card'), plain(card, 'pre')) : null,
     el('section', {}, el('h2', {}, 'Configuration'), el('details', {}, el('summary', {}, 'config.yaml'), plain(config, 'pre')))].filter(Boolean);
 }

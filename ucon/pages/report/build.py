@@ -54,7 +54,7 @@ def build_report(
     parts = [part_of(folder, run, places or {}, said or {}) for folder, run in found.items()]
     if is_of_lives(parts[0].run):
         if pictures not in ("auto", "none"):
-            raise ConfigError(f"--pictures {pictures}: a report of lives shows none; leave it out")
+            raise ConfigError(f"--pictures {pictures}: a report of lives has no pictures; omit this option")
         return lives_report(parts)
     total = sum(len(part.played) for part in parts)
     if pictures == "auto":
@@ -108,8 +108,8 @@ def _told(
             progress.update(k + 1)
     if otherwise:
         missing = (
-            f"In {otherwise} of {len(jobs)} episodes the agent did something else here than was recorded (another "
-            "processor or version); what it believed is told until then."
+            f"In {otherwise} of {len(jobs)} episodes the agent acted differently here than recorded (another processor "
+            "or version); its beliefs are shown up to that point."
         )
     return data, part.said() | {"note": missing, "rows": [_row(record) for record in records]}
 

@@ -63,7 +63,7 @@ def part_of(folder: Path, run: Run, places: Mapping[str, str], said: Mapping[str
         else chosen_episodes(*chosen, task["name"], context=task["context"], every=config["every"])
     )
     if episodes_hash(played) != kept.summary["hashes"].get("episodes"):
-        raise DataError(f"{folder}: other episodes were played than its configuration names now; evaluate again")
+        raise DataError(f"{folder}: its configuration now names other episodes than those played; evaluate again")
     return Part(run, kept, config, played)
 
 

@@ -53,7 +53,7 @@ def mind_of(config: dict[str, Any]) -> tuple[bool, str]:
         if hasattr(agent, "check"):
             agent.check()
     except UconError as error:
-        return False, f"What the agent believed is left out, since it cannot be played here: {error}"
+        return False, f"The agent's beliefs are not shown, since the agent cannot be run here: {error}"
     return True, ""
 
 

@@ -49,7 +49,7 @@ def training_of(folder: Path) -> dict[str, Any]:
     check_run_folder(folder)
     rows = read_metrics(folder)
     if not rows:
-        raise DataError(f"{folder / METRICS}: nothing was learned yet; come back after the first step")
+        raise DataError(f"{folder / METRICS}: no training step yet; try again after the first one")
     curves: dict[str, list[list[float]]] = {}
     for row in rows:
         for name, value in row.items():

@@ -77,12 +77,12 @@ class Guard:
     def _refusal(self, scope: Scope) -> PlainTextResponse | None:
         headers = Headers(scope=scope)
         if headers.get("host") not in self._hosts:
-            return PlainTextResponse("this server answers to 127.0.0.1 and localhost alone\n", 421)
+            return PlainTextResponse("this server answers to 127.0.0.1 and localhost only\n", 421)
         first = scope["path"].split("/")[1] if "/" in scope["path"] else ""
         if not secrets.compare_digest(first.encode(), self._token.encode()):
-            return PlainTextResponse("not here: take the whole address that `python -m ucon serve` printed\n", 404)
+            return PlainTextResponse("not found: use the whole address that `python -m ucon serve` printed\n", 404)
         if not self._from_here(headers):
-            return PlainTextResponse("asked by another page\n", 403)
+            return PlainTextResponse("refused: the request comes from another page\n", 403)
         return None
 
     def _from_here(self, headers: Headers) -> bool:

@@ -39,10 +39,10 @@ class ReportMaker:
         if run.kind == "eval" and not run.finished:
             raise ConfigError("the run is not finished; its report can be made when it is")
         if not run.can_report:
-            raise ConfigError("only the figures of this run are here, nothing that a report shows")
+            raise ConfigError("only the figures of this run are kept, and a report needs its episodes")
         with self._lock:
             if self._making:
-                raise ConfigError("another report is being made; ask again when it is done")
+                raise ConfigError("another report is being made; try again when it is done")
             self._making = run.id
             self._faults.pop(run.id, None)
         threading.Thread(target=self._work, args=(run,), daemon=True).start()
@@ -67,7 +67,7 @@ class ReportMaker:
         try:
             with self._lock:
                 if self._closed:
-                    return "the server has ended"
+                    return "the server has stopped"
                 process = self._process = subprocess.Popen(
                     [sys.executable, "-m", "ucon", "report", str(run.path)],
                     stdout=subprocess.DEVNULL,
@@ -85,4 +85,4 @@ class ReportMaker:
             return str(error)
         if not process.returncode:
             return ""
-        return (said.strip().splitlines() or ["it ended early"])[-1].removeprefix("error: ")
+        return (said.strip().splitlines() or ["the report command failed"])[-1].removeprefix("error: ")

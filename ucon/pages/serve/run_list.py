@@ -78,7 +78,7 @@ class RunList:
         """
         found = next((run for run in self.all() if run.id == number), None)
         if found is None:
-            raise ConfigError(f"no run '{brief(number)}' any more")
+            raise ConfigError(f"run '{brief(number)}' no longer exists; choose another")
         return found
 
 

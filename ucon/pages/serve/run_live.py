@@ -216,4 +216,4 @@ def _success_curve(records: Sequence[EpisodeRecord]) -> list[dict[str, Any]]:
         points.append([n, 100 * found / n, 100 * low, 100 * high])
     if not points:
         return []
-    return [{"name": "SR % so far, with its 95 %", "x": "episodes", "points": thinned(points, _POINTS)}]
+    return [{"name": "SR % so far, with its 95 % interval", "x": "episodes", "points": thinned(points, _POINTS)}]

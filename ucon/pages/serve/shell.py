@@ -44,7 +44,7 @@ def page(name: str) -> Response:
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <title>{escape(title)}{"" if name == "start" else " · UcON"}</title><link rel="icon" href="assets/icon.svg">
 <link rel="stylesheet" href="assets/theme.css"><link rel="stylesheet" href="assets/served.css">{tags}</head>
-<body><a class="skip" href="#main">To the content</a>
+<body><a class="skip" href="#main">Skip to content</a>
 <header class="top"><a class="brand" href="./">UcON</a><nav aria-label="Pages">{links}</nav></header>
 <main id="main" tabindex="-1"><noscript>These pages need JavaScript.</noscript></main></body></html>
 """

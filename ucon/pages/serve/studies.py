@@ -72,11 +72,11 @@ class Studies:
         items = draw_items(self._dataset, n, seed)
         if (longest := max(len(one.habit) for one in items)) > _LONGEST:
             raise ConfigError(
-                f"a sentence of {longest} characters: nobody reads that; give another seed, or other habits"
+                f"a sentence of {longest} characters is too long to rate; give another seed, or other habits"
             )
         with self._lock:
             if path.exists():
-                raise ConfigError(f"there is a study '{name}' already; open it, or give another name")
+                raise ConfigError(f"a study '{name}' already exists; open it, or give another name")
             write_atomic(path, key_csv(items))
 
     def key(self, name: str) -> dict[int, RatedHabit]:
@@ -91,7 +91,7 @@ class Studies:
         """
         path = self._folder / checked_name(name, "study") / _KEY
         if not path.is_file():
-            raise ConfigError(f"there is no study '{name}'; make one")
+            raise ConfigError(f"there is no study '{name}'; create it first")
         return read_key(path)
 
     def answers(self, name: str, rater: str) -> dict[int, Rating]:

@@ -80,6 +80,6 @@ def _csv(path: Path, name: str) -> Response:
     try:
         data = read_plain(path, _MOST_BYTES)
     except FileNotFoundError:
-        raise ConfigError("there is no such sheet yet; it is written with the first answer") from None
+        raise ConfigError("this sheet does not exist yet; it is written with the first answer") from None
     headers = {"Content-Disposition": f'attachment; filename="{name}"'}
     return Response(data, media_type="text/csv; charset=utf-8", headers=headers)

@@ -42,7 +42,7 @@ class Boxes:
         if not np.isfinite(self.xyxy).all():
             k = int(np.flatnonzero(~np.isfinite(self.xyxy).all(1))[0])
             raise DetectorError(
-                f"detector {detector}: the box of a {brief(self.label[k])} has edges that are no numbers"
+                f"detector {detector}: the box of a {brief(self.label[k])} has edges that are not numbers"
             )
 
     @classmethod

@@ -83,7 +83,7 @@ class Rates(Shared):
             chances, at = getattr(self, name), getattr(self, positions)
             if len(chances) != len(at) or not chances or not all(0.0 <= p <= 1.0 for p in chances):
                 raise ConfigError(
-                    f"detector.rates.{name}={chances}: expected chances from 0 to 1, and as many as {positions}={at}"
+                    f"detector.rates.{name}={chances}: expected probabilities from 0 to 1, as many as {positions}={at}"
                 )
             if min(at) <= 0.0 or any(np.diff(at) <= 0.0):
                 raise ConfigError(f"detector.rates.{positions}={at}: expected ascending numbers above 0")

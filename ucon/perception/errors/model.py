@@ -100,7 +100,7 @@ class DetectorErrors(Shared):
             raise DataError(f"errors of detector {brief(self.detector)}: {lengths} weights do not fit; {_REMEDY}")
         if self.vocabulary != vocabulary_hash():
             raise DataError(
-                f"errors of detector {brief(self.detector)} were fitted with other names than ours; {_REMEDY}"
+                f"errors of detector {brief(self.detector)} were fitted with other category names; {_REMEDY}"
             )
 
     def __hash__(self) -> int:

@@ -37,7 +37,7 @@ SIZE = 2 * HALF + 1
 CARVE_M = 8.0
 #: What to do where the errors of a detector are not known.
 NO_ERRORS = (
-    "its errors are not known, and agents that map weigh what it says by them; fit them on training homes: "
+    "its errors are unknown, and agents that keep a map need them; fit them on training homes: "
     "python -m ucon detector fit {} FILE, then detector.errors=FILE"
 )
 #: Points that a real camera sees at more than this depth are too uncertain for the cells of the map, metres.
@@ -461,7 +461,9 @@ def require_width(info: Mapping[str, Any], fov_deg: float = 90.0) -> None:
         ConfigError: the view has another width.
     """
     if (given := float(info.get("fov_deg", fov_deg))) != fov_deg:
-        raise ConfigError(f"env.fov_deg={given:g}: agents that map see {fov_deg:g} degrees here; leave it at that")
+        raise ConfigError(
+            f"env.fov_deg={given:g}: agents that keep a map need {fov_deg:g} degrees here; leave it at that"
+        )
 
 
 def frame_depth(observation: Mapping[str, Any], info: Mapping[str, Any]) -> NDArray[np.float32]:

@@ -14,7 +14,7 @@ from ucon.task.making.living import home_kinds
 
 IMPORTED = "imported"
 """Note of a placement whose anchor is not in the home but can be added."""
-BEARING = "bears what stands in the home, so it is never moved"
+BEARING = "supports other things in the home, so it is never moved"
 UNHOSTED = f"no entry with {MIN_REALISABLE} placements that can be realised"
 
 

@@ -181,7 +181,7 @@ def _targets(name: str, dataset: HabitDataset) -> Sequence[str]:
         return dataset.categories
     found = {entry.category for entry in dataset.entries if entry.id in dataset.parts and contradictory(entry)}
     if not found:
-        raise ConfigError(f"episode set '{name}' with dataset '{dataset.name}': it is made of the shipped book alone")
+        raise ConfigError(f"episode set '{name}' with dataset '{dataset.name}': it is made from the shipped book only")
     return sorted(found)
 
 
@@ -207,13 +207,13 @@ def _official_orders(name: str, dataset: HabitDataset, label: str, left_out: Cal
         unseen = tuple(name for name in hosted if (scene, name) in held)
         learned = tuple(name for name in hosted if (scene, name) not in held)
         if not learned and len(unseen) < MIN_HELD_OUT:
-            left_out(f"{scene}: left out, all that can be placed there is held out, and is less than {MIN_HELD_OUT}")
+            left_out(f"{scene}: left out, everything that can be placed there is held out, fewer than {MIN_HELD_OUT}")
             continue
         targets[scene] = {HELD_OUT: unseen if len(unseen) >= MIN_HELD_OUT else (), LEARNED: learned}
     only_held = name == OFFICIAL_HELD_OUT
     scenes = [scene for scene, of in targets.items() if of[HELD_OUT] or not only_held]
     if not targets:
-        raise ConfigError(f"episode set '{name}': in no scene of '{dataset.name}' can enough of it be placed")
+        raise ConfigError(f"episode set '{name}': too little of '{dataset.name}' can be placed in any of its scenes")
     if not scenes:
         raise ConfigError(f"episode set '{name}': no scene of '{dataset.name}' has {MIN_HELD_OUT} categories held out")
     for number in range(OFFICIAL_SETS[name]):

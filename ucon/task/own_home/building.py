@@ -47,9 +47,9 @@ class Unplaced:
     def __str__(self) -> str:
         name = self.category.replace("_", " ")
         if self.wanted == 1:
-            told = "it found no place"
+            told = "it does not fit"
         else:
-            told = f"{self.placed or 'none'} of {'' if self.placed else 'the '}{self.wanted} found a place"
+            told = f"{self.placed or 'none'} of {'' if self.placed else 'the '}{self.wanted} fit"
         return f"{self.where}: {self.room}: {name}: {told}{f'; {self.nearest}' if self.nearest else ''}"
 
 
@@ -96,7 +96,9 @@ def build(wish: OwnHome) -> tuple[str, House]:
     except SceneError as error:
         if wish.known:
             raise
-        raise SceneError(f"{wish.where}: not to be built so ({error}); give another seed, or fewer things") from None
+        raise SceneError(
+            f"{wish.where}: cannot be built like this ({error}); give another seed, or fewer things"
+        ) from None
 
 
 def home_name(wish: OwnHome) -> str:

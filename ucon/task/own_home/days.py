@@ -65,7 +65,7 @@ def placed_in_days(
     episodes, failed = _search(sampler, name, [one.target for one in wish.requests], wish.starts, seed)
     for one in wish.requests:
         if (n := len(episodes[one.target])) < wish.starts:
-            why = next((text for text in failed if text.startswith(f"{one.target} ")), "nowhere it could be found")
+            why = next((text for text in failed if text.startswith(f"{one.target} ")), "it could be found nowhere")
             thing = one.target.replace("_", " ")
             told = f"found on {n} of {wish.starts} days ({brief(why)}); give another place, or fewer things"
             faults.add(one.where, f"the {thing} is {told}")
@@ -118,7 +118,7 @@ def _places(
     if reasons or not said:
         thing, where = one.target.replace("_", " "), "there" if said else "where the habits say"
         why = brief(reasons[0]) if reasons else "they name no place in this home"
-        faults.add(one.where, f"the {thing} cannot be kept {where} ({why}); say another place")
+        faults.add(one.where, f"the {thing} cannot be kept {where} ({why}); give another place")
     return said, None
 
 

@@ -115,7 +115,7 @@ def _anchored(relation: Relation, thing: str) -> Placement | str:
         return Placement(relation, anchor)
     first, _, room = thing.rpartition(" in ")
     if first and category_of(first) and room_type_of(_ARTICLE.sub("", room, count=1)):
-        return f"'{brief(thing)}': which of several cannot be said; leave ' in {brief(room)}' out"
+        return f"'{brief(thing)}': a room cannot be given here; leave ' in {brief(room)}' out"
     return category_fault("thing", thing)
 
 

@@ -46,7 +46,7 @@ def said_place(words: str, rooms: Collection[str]) -> Place | str:
     if isinstance(placement, str):
         return placement
     if facing and placement.relation != "ontop":
-        return f"'{brief(words)}': only what stands on a thing faces its front; expected such as: on the desk"
+        return f"'{brief(words)}': only a thing on top of another can face its front; expected such as: on the desk"
     return Place(placement, side, facing, room)
 
 

@@ -112,7 +112,7 @@ def _placed(
     where = spoken_place(request.place.relation, request.place.anchor) if request.place else "where the habits say"
     why = reasons[0] if reasons else "they name no place in this home"
     near = next(_near(asked, house, read), None)
-    hint = f"; {spoken_place(near.relation, near.anchor)} it can" if near else "; ask for something smaller"
+    hint = f"; it can be kept {spoken_place(near.relation, near.anchor)}" if near else "; ask for something smaller"
     raise PlacementError(f"the {thing} cannot be kept {where} ({brief(why)}){hint}")
 
 

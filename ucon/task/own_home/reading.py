@@ -121,7 +121,7 @@ class _Reader(RoomReader):
         called = self._called(part.get("home"))
         known = is_home_name(called)
         if known and (extra := [key for key in ("kind", "rooms", "doors", "seed") if key in part]):
-            self._fault(root.keys[extra[0]], f"{called} is there already: leave this key out or rename yours")
+            self._fault(root.keys[extra[0]], f"{called} is an existing home: leave this key out or rename yours")
         kind = self._choice(part.get("kind"), "kind of home", HOME_KINDS, "flat")
         seed = self._whole(part.get("seed"), "seed", 0, MAX_SEED, 0)
         starts = self._whole(part.get("starts"), "starts", 1, MOST_STARTS, 1)
@@ -213,14 +213,14 @@ class _Reader(RoomReader):
             for one in list(group):
                 if one.target in seen:
                     first = f"first at {seen[one.target]}"
-                    self._fault(one.where, f"{one.target} is asked for twice ({first}); one home keeps one of it")
+                    self._fault(one.where, f"{one.target} is asked for twice ({first}); a home has only one of it")
                     group.remove(one)
                 seen.setdefault(one.target, one.where)
                 if others and len(one.places) > 1:
                     name = one.target.replace("_", " ")
                     self._fault(one.where, f"{name}: several places; write `others: none` into the file, or keep one")
         if others and things:
-            self._fault(things[0].where, "things: the habit book keeps them; write `others: none`, or ask for them")
+            self._fault(things[0].where, "things: the habit book places them; write `others: none`, or use `requests`")
 
     def _request_lines(self, node: Marked) -> Iterator[tuple[str, Marked | None, str]]:
         if isinstance(node.value, dict):

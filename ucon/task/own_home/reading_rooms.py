@@ -57,7 +57,7 @@ class RoomReader:
         things = 0
         for called, where, content in said[:MAX_ROOMS]:
             if (key := snake(called)) in seen:
-                self._fault(where, f"room '{brief(called)}' is there twice (first at {seen[key]}); number them")
+                self._fault(where, f"room '{brief(called)}' is listed twice (first at {seen[key]}); number them")
                 continue
             seen[key] = where
             if (room := self._room(called, where, content)) is not None:
@@ -66,9 +66,9 @@ class RoomReader:
         if things > MOST_THINGS:
             self._fault(node.where, f"{things:,} things in all rooms, expected at most {MOST_THINGS}")
         if not said and isinstance(node.value, dict | list):
-            self._fault(node.where, "no rooms; name some, such as kitchen, or leave 'rooms' out to have them drawn")
+            self._fault(node.where, "no rooms; name some, such as kitchen, or leave 'rooms' out for random ones")
         if len(seen) == 1 and said and room_type_of(said[0][0]) in ("corridor", "garden"):
-            self._fault(node.where, f"a home of a {said[0][0]} alone; add a room")
+            self._fault(node.where, f"a home with only a {said[0][0]}; add a room")
 
     def _named_rooms(self, node: Marked) -> Iterator[tuple[str, str, Marked | None]]:
         """Names of rooms, where they stand, and what is said of them."""
@@ -128,7 +128,7 @@ class RoomReader:
                 continue
             if (earlier := found.get(category)) is not None:
                 if isinstance(node.value, dict):
-                    self._fault(where, f"{category} is there twice (first at {earlier.where}); keep one line")
+                    self._fault(where, f"{category} is listed twice (first at {earlier.where}); keep one line")
                 count += earlier.count
             found[category] = Thing(count, where if earlier is None else earlier.where)
         for category, thing in found.items():
@@ -200,7 +200,9 @@ class RoomReader:
         part = {room: {room} for room in rooms}
         for door in doors:
             if part[door.first] is part[door.second]:
-                why = "joins it to itself" if door.first == door.second else "closes a circle: there is a way already"
+                why = (
+                    "joins it to itself" if door.first == door.second else "closes a loop: the rooms are already joined"
+                )
                 self._fault(door.where, f"the door of {door.first} and {door.second} {why}; leave it out")
                 return
             both = part[door.first] | part[door.second]

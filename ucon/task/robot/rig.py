@@ -46,7 +46,7 @@ class RobotRig(Shared):
     def __post_init__(self) -> None:
         low, high = STEP_OVER_M + ABOVE_CAMERA_M, _HIGHEST_M - ABOVE_CAMERA_M
         _check("camera_m", self.camera_m, low, high, "metres above the floor")
-        _check("radius_m", self.radius_m, _THINNEST_M, WIDEST_M, "metres, for which homes leave ways")
+        _check("radius_m", self.radius_m, _THINNEST_M, WIDEST_M, "metres, which homes leave room for")
         _check("motion_noise", self.motion_noise, 0.0, 10.0, "times the published errors")
         if type(self.seed) is not int or self.seed < 0:
             raise ConfigError(f"rig.seed={brief(self.seed)}: expected a whole number from 0 up")

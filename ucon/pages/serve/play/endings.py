@@ -71,9 +71,9 @@ def _why_lost(record: EpisodeRecord) -> str:
         "never_seen": f"The {target} was never in view, and your {steps} steps ran out.",
         "seen_not_reached": f"{in_view}, but you did not come near it, and your {steps} steps ran out.",
         "container_never_opened": f"You never opened what the {target} is in, and your {steps} steps ran out.",
-        "stopped_early": f"You said Found it at step {steps}, but the {target} was not in view and near."
+        "stopped_early": f"You said Found it at step {steps}, but the {target} was not in view within reach."
         + (f" {in_view}." if seen >= 0 else ""),
-        "out_of_steps": f"The {target} was in view and near, but you did not say so, and your {steps} steps ran out.",
+        "out_of_steps": f"The {target} was in view within reach, but you did not say so; your {steps} steps ran out.",
     }[record.failure_cause]
 
 

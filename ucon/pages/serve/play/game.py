@@ -206,7 +206,7 @@ class Game:
         with self._changed:
             record = self._records.get(episode)
         if record is None or episode not in self._index:
-            raise ConfigError("this episode is not over yet; its end is shown when it is")
+            raise ConfigError("this episode is not over yet; its result is shown when it is")
         rig = self.evaluation.config["env"].get("rig")
         return ended(
             self.evaluation.episodes[self._index[episode]],
@@ -235,11 +235,11 @@ class Game:
             ConfigError: the run failed, was left, or takes too long.
         """
         if not self._changed.wait_for(lambda: self._view is not None or self._over or self._stopping, _PATIENCE_S):
-            raise ConfigError("the home is not there yet; try again in a moment")
+            raise ConfigError("the home is still loading; try again in a moment")
         if self._problem:
             raise ConfigError(self._problem)
         if self._stopping:
-            raise ConfigError("this search was left; go on with it from the page Play")
+            raise ConfigError("you have left this search; continue it on the page Play")
 
 
 def _told(record: EpisodeRecord) -> dict[str, Any]:

@@ -127,7 +127,7 @@ class Games:
             game.know(_records_of(evaluation))
             with self._lock:
                 if self._closed:
-                    raise ConfigError("the server ends; start it again and go on")
+                    raise ConfigError("the server is shutting down; start it again and continue")
                 self._open[name] = game
                 game.start()
         return name
@@ -144,7 +144,7 @@ class Games:
         with self._lock:
             game = self._open.get(name)
         if game is None:
-            raise ConfigError("this game is not open any more; begin or go on with it from the page Play")
+            raise ConfigError("this game is no longer open; start or continue it on the page Play")
         return game
 
     def left(self) -> list[dict[str, Any]]:

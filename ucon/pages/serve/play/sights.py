@@ -58,7 +58,7 @@ class Sights:
         if action == NO_ACTION:
             return ""
         if action == Action.MOVE_AHEAD:
-            return "Blocked: something is in the way." if observation["collision"][0] else "Went 0.25 m ahead."
+            return "Blocked: something is in the way." if observation["collision"][0] else "Moved 0.25 m ahead."
         if action in (Action.LOOK_UP, Action.LOOK_DOWN):
             way = "up" if action == Action.LOOK_UP else "down"
             moved = abs(self._pitch - before) > 1e-6
