@@ -31,7 +31,7 @@ from ucon.programs.sweep import folder_of
 
 @hydra.main(version_base="1.3", config_path="configs", config_name="eval")
 def main(cfg: DictConfig) -> None:
-    """One run. Hydra calls it once for each combination of a sweep."""
+    """Evaluate one run; Hydra calls this once for each combination of a sweep."""
     hydra_config = HydraConfig.get()
     swept = folder_of(hydra_config, str(cfg.episodes)) if hydra_config.mode == RunMode.MULTIRUN else None
     with one_line_errors("eval", swept):

@@ -1,4 +1,4 @@
-"""Train what agents learn: policies that search, the habit retriever, the belief head.
+"""Train the learned parts of agents: search policies, the habit retriever, the belief head.
 
     python train.py agent=habit_policy
     python train.py learner=retriever
@@ -12,7 +12,7 @@
 
 Writes config.yaml, metrics.jsonl, learning_curve.png (where matplotlib is installed), checkpoints/, model/,
 MODEL_CARD.md, summary.json and seconds.json to ``out=``.
-Ctrl-C and SIGTERM save and end. ``resume=`` continues, to the same bytes that an uninterrupted run would have written;
+Ctrl-C and SIGTERM save and end. ``resume=`` continues a run and writes the same bytes as an uninterrupted run would;
 with more ``training.steps`` it continues beyond the planned end. ``learner.initial=`` starts a new run from the weights
 of another.
 """
@@ -52,7 +52,7 @@ from ucon.programs.training import ChosenRun, chosen_run, learner_name, run_iden
 
 @hydra.main(version_base="1.3", config_path="configs", config_name="train")
 def main(cfg: DictConfig) -> None:
-    """One run. Hydra calls it once for each combination of a sweep."""
+    """Train one run; Hydra calls this once for each combination of a sweep."""
     hydra_config = HydraConfig.get()
     swept = Path(hydra_config.runtime.output_dir) if hydra_config.mode == RunMode.MULTIRUN else None
     with one_line_errors("train", swept):
@@ -60,7 +60,7 @@ def main(cfg: DictConfig) -> None:
 
 
 def train_and_report(cfg: DictConfig, overrides: list[str], swept: Path | None = None) -> None:
-    """Train to the end, or go on with the run that ``resume`` names, and print the best validation figures.
+    """Train to the end, or continue the run that ``resume`` names, and print the best validation figures.
 
     Args:
         cfg: configuration.

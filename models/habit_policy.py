@@ -1,12 +1,12 @@
 """The habit policy: a transformer over the map, the belief and the habits, which scores the views to go to next.
 
 Tokens are candidate views, things (closed containers among them), frontiers, habits and the agent's own state
-(:mod:`ucon.search.search_tokens`); a convolutional network reads an image of the map, and tells every token that has a
-position what is around it. Belief and evidence are computed by fixed rules
-(:mod:`ucon.perception.belief.target_belief`), so what was searched in vain is already in the tokens' numbers. The score
-of a view starts as its expected gain over its cost, which is how ``belief`` chooses. The network foresees what lies
-beyond every view, which can be learned from many homes (as PEANUT predicts targets from partial maps), and adds a
-learned term to the score.
+(:mod:`ucon.search.search_tokens`); a convolutional network reads an image of the map, and adds to every token that has
+a position what lies around it. Belief and evidence are computed by fixed rules
+(:mod:`ucon.perception.belief.target_belief`), so the tokens already account for what was searched in vain. The score of
+a view starts as its expected gain over its cost, which is how ``belief`` chooses. The network predicts what lies beyond
+every view, which can be learned from many homes (as PEANUT predicts targets from partial maps), and adds a learned term
+to the score.
 """
 
 from __future__ import annotations
@@ -50,7 +50,10 @@ class Scores(NamedTuple):
     value: Tensor
     """(B,) float32, estimated return."""
     foresight: Tensor
-    """(B, V) float32, predicted progress per move: 1 straight towards the target, -1 straight away. Not bounded."""
+    """(B, V, R) float32, predicted log10 of the share of possible target places left within R distances of each view.
+
+    The distances are :data:`ucon.search.beyond.MOVES`. Not bounded.
+    """
 
 
 class Attended(NamedTuple):
@@ -91,15 +94,14 @@ class HabitPolicy(nn.Module):
             width: of the transformer.
             layers: number of its blocks.
             heads: of attention in each block.
-            use_prior: True: logits start from gain over cost, and views far below the best by it are not chosen. False:
-                everything is learned.
+            use_prior: True: logits start from gain over cost, and views far below the best by that measure are not
+                chosen. False: everything is learned.
             raster: True: the image of the map is read. False: only tokens are (ablation).
-            silent: True: the transformer is left out, whatever its weights, and nothing else is: views are chosen by
-                gain over cost.
+            silent: True: only the transformer is left out, whatever its weights, so views are chosen by gain over cost.
             seed: of the initial weights.
 
         Raises:
-            ConfigError: a size below 1, a width that is no multiple of the heads, or ``silent`` without ``use_prior``.
+            ConfigError: a size below 1, a width that the heads do not divide, or ``silent`` without ``use_prior``.
         """
         super().__init__()
         check_heads("agent.policy", width, heads)
@@ -141,7 +143,7 @@ class HabitPolicy(nn.Module):
                 T, 384), embeddings of the things' names, in place of ``thing_rows``.
 
         Returns:
-            Logits (B, V), -inf where there is no view or one far below the best, values (B,) and foresight (B, V).
+            Logits (B, V), -inf where there is no view or one far below the best, values (B,) and foresight (B, V, R).
         """
         if self.silent:
             logits = self.by_gain_over_cost(tokens)

@@ -1,10 +1,10 @@
 """The end-to-end habit policy: frames, detections and habits in, one of the seven actions out.
 
-An RGB-D encoder, detections as tokens that attend to the habits, a belief over anchors, a map memory and an LSTM. The
-map is part of the recurrent state: fixed rules write it and count what the poses around the agent would show. A mixture
-over places to go to (:mod:`models.nets.end_to_end.places_to_go`) gives action preferences by shortest paths over what
-was seen; nothing that the agent has not seen enters. Done is suppressed where no target is seen nearby, Open where
-nothing that could be opened is.
+It consists of an RGB-D encoder, detections as tokens that attend to the habits, a belief over anchors, a map memory and
+an LSTM. The map is part of the recurrent state: fixed rules write it and count what the poses around the agent would
+show. A mixture over places to go to (:mod:`models.nets.end_to_end.places_to_go`) gives action preferences by shortest
+paths over what was seen; nothing that the agent has not seen enters. Done is suppressed unless a target is seen nearby,
+Open unless something that can be opened is.
 """
 
 from __future__ import annotations
@@ -60,25 +60,25 @@ if TYPE_CHECKING:
     from models.nets.end_to_end.reasons import Reasons
 
 _MAX_STEPS = 300.0
-#: In play, a pose shows nothing more after so many steps in it: there it looked up and down, and opened what can be
-#: opened. Without, it stays where it believes in what it cannot reach. What was looked at closely counts for nothing,
-#: or it goes round in a room that it has seen. While it learns from labels nothing is left out, since the expert may
-#: know better.
+#: In play, a pose counts as showing nothing more once the agent has spent this many steps in it: by then it has looked
+#: up and down there, and opened what can be opened. Without this limit it stays where it believes in what it cannot
+#: reach. In play, what was looked at closely counts for nothing either, or else the agent circles in a room that it has
+#: seen. While it learns from labels nothing is left out, since the expert may know better.
 _PATIENCE = 4
 _N_LOOKS = 5
 #: Log odds of Done where the target is not near, and of Open where nothing can be opened, whatever the network says.
-#: Subtracting a constant from a logit does not work: some solutions end farther off, so training raised that of Done
-#: until constants of 10 and of 30 were undone.
+#: Subtracting a constant from a logit does not work: some solutions end farther away, so training raised the logit of
+#: Done until it made up for constants of 10 and of 30.
 _NEVER = -15.0
-#: Features of episode and step, beside the summary of the habits, on which it depends what places are worth: sight
-#: range, step, whether the target was seen, and sums over the map.
+#: Number of features, besides the summary of the habits, on which the worth of places depends: sight range, step,
+#: whether the target was seen, and sums over the map.
 _GLOBALS = 3 + len(TOTALS)
-#: Square metres and belief of the sums over the map, of which logarithms are taken.
+#: Units of the sums over the map (square metres, square metres, belief) before logarithms are taken.
 _TOTALS_UNIT = (10.0, 10.0, 0.1)
-#: Frames that the map memory is written from, and the parts of the state that hold it.
+#: Arrays of a frame that the map memory is written from, and the parts of the state that hold the memory.
 _WRITTEN = ("pose", "status", "patch", "look", "thing_ids", "thing_tracks", "pair_cell", "pair_row")
 _MAPS = ("flags", "look", "visits", "who", "kind", "extent", "opened")
-#: A look turns the camera by so much; within this distance of a remembered target, to its height alone.
+#: Angle by which a look turns the camera; distance from a remembered target within which looks only go to its height.
 _LOOK_RAD, _CLOSE_M = math.pi / 6, 1.5
 _N_STATUS = _N_LOOKS + 8 + 2 + 5 + 8 + len(SUMMARY_FEATURES)
 
@@ -114,20 +114,20 @@ class HabitPolicyE2E(PolicyModule):
         """Build the network with random weights.
 
         Args:
-            reader: reads the habits; by default the shipped one that ``head`` names.
+            reader: reads the habits; by default the shipped one that ``head`` selects.
             head: True: the belief head reads the habits. False: the fitted anchor reader does (ablation).
             image_px: side of the image that the visual encoder reads; divides the camera's, a multiple of 16.
             width: of tokens.
             hidden: size of the LSTM's state.
             rgb: False blanks the image (ablation).
             plan: False leaves out the places to go to (ablation).
-            attend: False zeroes the habits' vectors, which leaves the belief (ablation).
+            attend: False masks the habits in attention, which leaves the belief (ablation).
             scores: retrieval scores as a feature of habits.
             advisor: a language model's choice among anchors as a feature of things.
-            clip: a frozen CLIP image encoder beside the learned one.
-            sharpness: factor of the scores of places to go to; the higher, the more the best one decides.
-            trust: in play, factor of the log-probabilities that the places to go to give moves; 1 while it learns from
-                labels. Their mixture says little by one step, and much by many.
+            clip: a frozen CLIP image encoder in addition to the learned one.
+            sharpness: factor of the scores of places to go to; the higher, the more the best one dominates.
+            trust: in play, factor of the log-probabilities of moves by the places to go to; 1 while it learns from
+                labels. The mixture favours a move only slightly at one step, but this adds up over many.
             seed: of the weights.
 
         Raises:
@@ -180,7 +180,7 @@ class HabitPolicyE2E(PolicyModule):
         return self._arguments | {name: None if part is None else part.name for name, part in named.items()}
 
     def check(self) -> None:
-        """Raise an error of one line where weights of the advisor or of CLIP are missing."""
+        """Raise a one-line error where weights of the advisor or of CLIP are missing."""
         for part in (self._advisor, self._clip):
             if part is not None:
                 part.check()
@@ -292,7 +292,7 @@ class HabitPolicyE2E(PolicyModule):
         return draw_reasons(why, str(info["target"]), drawn, (i, j, heading))
 
     def thoughts(self, info: Mapping[str, Any], frames: Tensors, context: Tensors, state: Tensors) -> Thoughts:
-        """Belief by cells of its map and goal after the last step of one episode, as plain values.
+        """Goal, and belief by cells of the map, after the last step of one episode, as plain values.
 
         Args:
             info: of the episode's reset.
@@ -308,7 +308,7 @@ class HabitPolicyE2E(PolicyModule):
     def _explained(
         self, info: Mapping[str, Any], frames: Tensors, context: Tensors, state: Tensors
     ) -> tuple[Reasons, dict[str, NDArray[np.uint8]]]:
-        """Reasons of the last step of one episode, and the layers of its map; arguments as of :meth:`picture`."""
+        """Reasons of the last step of one episode, and the layers of its map; arguments as for :meth:`picture`."""
         from models.nets.end_to_end.reasons import reasons
 
         outputs, inside = self.think(frames, context, state)
@@ -318,7 +318,7 @@ class HabitPolicyE2E(PolicyModule):
         return why, layers(after, believed)
 
     def _masses(self, ids: Tensor, context: dict[str, Tensor]) -> Tensor:
-        """Belief (T, B, N, 4) that the target is on, beside, in (open) or in (closed) each thing in view.
+        """Belief (T, B, N, 4) that the target is on, beside or under, in (open) or in (closed) each thing in view.
 
         Values are relative to the category with the highest belief.
         """
@@ -338,8 +338,8 @@ class HabitPolicyE2E(PolicyModule):
         """Write T frames into the map memory, step by step; on the CPU, whatever the device of the network.
 
         Returns:
-            The new state; which things were opened (T, B, N); what the poses around the agent would show, of T * B
-            agents; and the remembered target relative to the agent, (T, B, 4).
+            The new state; which things were opened (T, B, N); what the poses around each of T * B agents would show;
+            and the remembered target relative to the agent, (T, B, 5).
         """
         device, cpu = self.device, torch.device("cpu")
         new = {name: state[name].to(cpu, copy=True) for name in (*_MAPS, "target_at")}
@@ -392,7 +392,7 @@ class HabitPolicyE2E(PolicyModule):
         return self.places(seen_from, given, aim, frames["pose"].long())  # type: ignore[no-any-return]
 
     def _apart(self, ways: Ways, frames: Tensors) -> Tensor | None:
-        """Nats (T, B) from what an expert thinks of the poses, where frames tell that."""
+        """Divergence (T, B) in nats from an expert's scores of the poses; None without these, or without ``plan``."""
         if "views" not in frames or not self._plan:
             return None
         goals, views, pose = (part.flatten(0, 1) for part in (ways.log_goal, frames["views"], frames["pose"]))
@@ -405,7 +405,9 @@ def _padded(belief: Tensor) -> Tensor:
 
 
 def bent_on(logits: Tensor, remembered: Tensor, pose: Tensor, in_view: Tensor) -> Tensor:
-    """Logits (..., 7) of an agent that saw the target: it opens nothing, and nearby looks only to the target's height.
+    """Logits (..., 7) without actions that are idle once the target was seen.
+
+    The agent then opens nothing. Nearby, while the target does not show, it looks only to the target's height.
 
     Args:
         logits: (..., 7).

@@ -52,7 +52,7 @@ class _Seeing(PolicyModule):
         return {"tokens": self.tokens.name, "backbone": self._backbone.name}
 
     def check(self) -> None:
-        """Raise an error of one line where weights of tokens or backbone are missing."""
+        """Raise a one-line error where weights of tokens or backbone are missing."""
         self.tokens.check()
         self._backbone.check()
 
@@ -123,9 +123,9 @@ class VTN(_Seeing):
             backbone: frozen network of the frame; None: random weights.
             dropout: of the visual transformer in training.
             pretrained: weights of :class:`VTNPretraining`, or a run of ``train.py agent=vtn_pretraining``; the release
-                says that training collapses without.
-            freeze_visual: only the LSTM and the layers behind it are trained, with the visual transformer of
-                ``pretrained`` or of weights that are loaded later. What it makes of a frame is computed once.
+                says that training collapses without it.
+            freeze_visual: only the LSTM and the layers after it are trained, with the visual transformer of
+                ``pretrained`` or of weights that are loaded later. Its output for a frame is computed once.
             seed: of the weights.
 
         Raises:
@@ -155,12 +155,12 @@ class VTN(_Seeing):
         return self
 
     def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
-        """As of the pre-training; where the visual transformer is frozen also the ``target``, which it reads."""
+        """As in pre-training; where the visual transformer is frozen, also the ``target``, which it reads."""
         arrays = super().frame(observation, info)
         return {**arrays, **self.context(info)} if self._frozen else arrays
 
     def features(self, frames: Tensors) -> Tensors:
-        """As of the pre-training; where the visual transformer is frozen only ``seen`` (..., 3136) float32."""
+        """As in pre-training; where the visual transformer is frozen, only ``seen`` (..., 3136) float32."""
         if not self._frozen:
             return super().features(frames)
         if "seen" in frames:
@@ -171,7 +171,7 @@ class VTN(_Seeing):
             return {"seen": self._transformed(flat, target.flatten()).unflatten(0, target.shape)}
 
     def seen(self, frames: Tensors, context: Tensors) -> Tensor:
-        """As of the pre-training; what a frozen visual transformer made of the frames is in its features."""
+        """As in pre-training; the output of a frozen visual transformer is part of the features."""
         return self.features(frames)["seen"] if self._frozen else super().seen(frames, context)
 
     def initial_state(self, batch: int) -> Tensors:
@@ -183,7 +183,7 @@ class VTN(_Seeing):
 
         Shapes as in :class:`ucon.learning.policies.action_policy.ActionPolicy`.
         """
-        # The first layer reads all frames at once; what is left of a step is what depends on the step before.
+        # The first layer reads all frames at once; the loop computes only what depends on the step before.
         seen = self.seen(frames, context)  # (T, B, 3136)
         w = dict(self.lstm.named_parameters())
         from_frames, from_action = w["weight_ih_l0"].split([VISUAL_WIDTH, _ACTION_WIDTH], 1)
@@ -216,7 +216,7 @@ class VTNPretraining(_Seeing):
     architecture = "vtn_pretraining"
 
     def __init__(self, tokens: Tokens | None = None, backbone: FrozenBackbone | None = None, *, seed: int = 0) -> None:
-        """Build the network with random weights; arguments as of :class:`VTN`."""
+        """Build the network with random weights; arguments as for :class:`VTN`."""
         super().__init__(tokens, backbone, dropout=0.0)
         self.head = nn.Linear(VISUAL_WIDTH, N_ACTIONS)
         with torch.random.fork_rng(devices=[]):
@@ -237,7 +237,7 @@ def _lstm_cell(gates: Tensor, cell: Tensor) -> tuple[Tensor, Tensor]:
 
 
 def _initialise(policy: _Seeing) -> None:
-    """VTNet's initialisation: Glorot; rows of the actor with norm 0.01, of the critic 1; an LSTM without bias."""
+    """VTNet's initialisation: Glorot; rows of the actor with norm 0.01, of the critic 1; LSTM biases 0."""
     policy.apply(glorot_)
     for module in policy.modules():
         if isinstance(module, nn.Embedding):

@@ -3,8 +3,9 @@
 As in the release: all sizes and the order of layers, running mean and variance of the colours, augmentation, and
 initialisation as in Habitat's baselines. Different, because of the task: seven actions; training by imitation with the
 goal as text, where ZSON learned image goals by reinforcement over 500 M frames; an encoder with random initial weights,
-where ZSON's were self-supervised (OVRL). With CLIP's weights at hand the goal is CLIP's text vector, and the LSTM reads
-1568 numbers as in the paper; by default it is the shipped sentence encoder's vector, with 928. Habits are not read.
+where ZSON's were self-supervised (OVRL). With CLIP's weights the goal is CLIP's text vector, and the LSTM reads 1568
+numbers as in the paper; by default the goal is the shipped sentence encoder's vector, and it reads 928. Habits are not
+read.
 """
 
 from __future__ import annotations
@@ -68,7 +69,7 @@ class ZSON(PolicyModule):
         return {"goal": self._goal.name, "goal_dim": self._goal.dim}
 
     def check(self) -> None:
-        """Raise an error of one line where weights of the goal's encoder are missing."""
+        """Raise a one-line error where weights of the goal's encoder are missing."""
         self._goal.check()
 
     def fingerprint(self) -> str | None:

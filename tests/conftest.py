@@ -14,7 +14,7 @@ _WHY = "Skipped: needs PyBullet, which has no wheels for this Python"
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """A test that failed for want of PyBullet alone, in this process or in one that it started, has not failed."""
+    """Report a test as skipped if it failed only because PyBullet is missing, here or in a process it started."""
     report = yield
     if not _THERE and report.failed:
         told = report.longreprtext + "".join(text for _, text in report.sections)

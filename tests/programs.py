@@ -1,9 +1,9 @@
-"""Runs ``eval.py`` and ``train.py`` many times in one process: imports cost seconds, a wrong option none.
+"""Runs ``eval.py`` and ``train.py`` many times in one process, since imports cost seconds and a wrong option does not.
 
     python -m tests.programs < calls.json
 
-Standard input is a JSON list of argument lists, the script first; standard output is a JSON list of [exit code, what
-was told on standard error].
+Standard input is a JSON list of argument lists, the script first; standard output is a JSON list of [exit code,
+standard error].
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[1]
 
 
 def outcomes(calls: Sequence[Sequence[str]], *, cwd: Path = ROOT) -> list[tuple[int, str]]:
-    """Exit code and standard error of each call, one after the other in one new process."""
+    """Exit code and standard error of each call, run one after the other in one new process."""
     command = [sys.executable, "-m", "tests.programs"]
     done = subprocess.run(command, input=json.dumps(calls), cwd=cwd, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stderr

@@ -198,7 +198,7 @@ def test_an_empty_knowledge_base_is_refused() -> None:
 
 
 def command(*words: str) -> str:
-    """The one line in which a command ends."""
+    """Run a command that must end with exit code 2, and return its one line of error."""
     done = subprocess.run([sys.executable, *words], cwd=ROOT, capture_output=True, text=True, timeout=120)
     lines = done.stderr.strip().splitlines()
     assert done.returncode == 2, done.stderr
@@ -237,7 +237,7 @@ def test_making_episodes_refuses_a_wrong_habit_file(tmp_path: Path) -> None:
 
 
 def test_a_good_file_of_ones_own_is_played(tmp_path: Path) -> None:
-    """The changes above are what is refused, not files of one's own."""
+    """The changes above are refused because they are wrong, not because the file is the user's own."""
     path = changed(tmp_path / "mine.jsonl.xz", lambda data: data.update(id="mine"))
     episodes = load_episodes(path)
     assert [e.id for e in episodes] == [FIRST.id, "mine"]

@@ -1,4 +1,4 @@
-"""Every file under configs/ composes, and what it describes can be built."""
+"""Every file under configs/ composes, and the parts it describes can be built."""
 
 import inspect
 import re
@@ -31,7 +31,7 @@ MANDATORY = {
 }
 
 
-#: Groups that belong to ``train.yaml`` alone.
+#: Groups that belong only to ``train.yaml``.
 TRAINING = {"learner", "collector", "budget"}
 
 
@@ -78,7 +78,7 @@ def test_every_option_composes(group, name):
 @pytest.mark.parametrize("name", [name for group, name in OPTIONS if group == "agent"])
 def test_every_agent_can_be_built(name):
     config = composed(f"agent={name}")["agent"]
-    if config.get("inputs") == "images":  # refused with the default model, which sees nothing
+    if config.get("inputs") == "images":  # refused with the default model, which takes no images
         config = composed(f"agent={name}", "language=vision_lm")["agent"]
     agent = Factory(config)()
     assert isinstance(agent.name, str)
@@ -111,7 +111,7 @@ ASKING = [name for group, name in OPTIONS if group == "agent" and "language" in 
 @pytest.mark.parametrize("language", [name for group, name in OPTIONS if group == "language"])
 @pytest.mark.parametrize("name", ASKING)
 def test_agents_are_built_with_every_language_model(name, language):
-    """Nothing is loaded; an agent refuses, in one line, a model without the scores it compares or blind to images."""
+    """Nothing is loaded; an agent refuses, in one line, a model without the scores or image input that it needs."""
     config = composed(f"agent={name}", f"language={language}")
     model = Factory(config["language"])()
     if name == "l3mvn" and not model.gives_scores:
@@ -141,7 +141,7 @@ def test_agents_that_ask_are_known():
 
 
 def test_what_the_evaluation_lists_is_there():
-    """The comments name options; a new file is an option without being named there."""
+    """All options named in the comments exist; new files need not be named there."""
     defaults = (CONFIGS / "eval.yaml").read_text().partition("defaults:")[2].partition("- override")[0]
     listed = set(re.findall(r"\b[a-z]+[\w]*_\w+\b", " ".join(re.findall(r"#(.*)", defaults))))
     assert listed <= {name for _, name in OPTIONS} | set(LIFE_SETS)
@@ -188,7 +188,7 @@ def test_every_detector_can_be_built_without_its_weights(name):
     detector = env._detector
     assert detector.name == name
     assert detector.needs_rgb == (name != "gt" and not name.startswith("noisy"))
-    # What a file says is what the detector would do without it.
+    # Everything in the file is an argument of the detector.
     given = {key for key in config["detector"] if key != "_target_"}
     assert given <= set(inspect.signature(get_class(config["detector"]["_target_"])).parameters)
     env.close()
@@ -219,14 +219,14 @@ TABLE_1 = [name for group, name in OPTIONS if group == "experiment" and name.sta
 
 
 def method_of(config: dict) -> str:
-    """The module of the network that an agent plays, else of the agent."""
+    """The module of the agent's network, or else of the agent."""
     target = config["agent"].get("policy", config["agent"])["_target_"]
     return target.split(".")[-2]
 
 
 @pytest.mark.parametrize("name", TABLE_1)
 def test_a_row_of_table_1_says_in_one_line_what_it_lacks(name, monkeypatch, tmp_path):
-    """All rows play the test episodes; without weights or key they stop at once."""
+    """All rows play the test episodes; without weights or key they stop immediately."""
     monkeypatch.setattr("huggingface_hub.constants.HF_HUB_CACHE", str(tmp_path))
     monkeypatch.delenv("OPENAI_API_KEY", raising=False)
     config = composed(f"experiment={name}")
@@ -239,21 +239,21 @@ def test_a_row_of_table_1_says_in_one_line_what_it_lacks(name, monkeypatch, tmp_
 
 @pytest.mark.parametrize("name", TABLE_1)
 def test_rows_of_large_models_load_one_copy(name):
-    """A worker each would fill a GPU; RoBERTa and a server do not mind."""
+    """One copy per worker would fill a GPU; this does not matter for RoBERTa and servers."""
     config = composed(f"experiment={name}")
     large = any(f".{kind}." in config["language"]["_target_"] for kind in ("causal_lm", "vision_lm"))
     large |= config["detector"]["_target_"].endswith("YoloWorldDetector")
     assert (config["workers"] == 1) == large
     text = (CONFIGS / "experiment" / f"{name}.yaml").read_text()
-    if "policy" in config["agent"]:  # reads no habits
+    if "policy" in config["agent"]:  # it reads no habits
         assert f"experiment={name} agent.checkpoint=" in text
         assert config["habit_level"]["name"] == "none"
         return
     assert f"experiment={name} habit_level=none," in text
-    assert ("habit_level=none,full," in text) == (name != "table1_l3mvn_roberta_gt")  # the paper ran no full there
+    assert ("habit_level=none,full," in text) == (name != "table1_l3mvn_roberta_gt")  # the paper ran no full
 
 
 def test_table_1_is_whole():
-    """Rows of the paper by method."""
+    """The rows of the paper, by method."""
     methods = [name.split("_")[1] for name in TABLE_1]
     assert {m: methods.count(m) for m in methods} == {"lgx": 3, "pixelnav": 2, "l3mvn": 1, "vtn": 1, "zson": 1}

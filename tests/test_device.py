@@ -1,4 +1,4 @@
-"""Where and how torch computes: `auto` is settled by the device alone."""
+"""Where and how torch computes: `auto` is resolved by the device alone."""
 
 import pytest
 import torch
@@ -9,7 +9,7 @@ from ucon.core.errors import ConfigError
 
 @pytest.fixture
 def card(monkeypatch):
-    """Torch as on a machine with one card; its compute capability may be set."""
+    """Make torch report one GPU, whose compute capability can be set."""
     found = {"capability": (9, 0)}
     monkeypatch.setattr(torch.cuda, "is_available", lambda: True)
     monkeypatch.setattr(torch.cuda, "device_count", lambda: 1)

@@ -1,7 +1,7 @@
-"""Every command on a page is one that the program takes: options, groups, files of configs/, targets of make.
+"""Every command on a page is accepted by the program: options, groups, files of configs/, targets of make.
 
-Lines of ``bash`` and ``console`` blocks are read, and commands within the text that say more than a name. Names in
-capitals (RUN, FOLDER, PATH) stand for a reader's own.
+Lines of ``bash`` and ``console`` blocks are read, and commands in the text that have arguments. Names in capitals (RUN,
+FOLDER, PATH) stand for the reader's own.
 """
 
 from __future__ import annotations
@@ -40,9 +40,9 @@ PAGES = [
 ]
 _BLOCK = re.compile(r"^ *```(\w*)\n(.*?)^ *```", re.MULTILINE | re.DOTALL)
 _WITHIN_TEXT = re.compile(r"`(python (?:eval\.py|train\.py|-m ucon \w[\w-]*) [^`]+)`")
-#: A group's value that stands for any: ``agent=NAME``.
+#: A placeholder for any value of a group: ``agent=NAME``.
 _ANY = re.compile(r"\w+=[A-Z]+")
-#: Of docs/EXTENDING.md, which has a test of its own.
+#: From docs/EXTENDING.md, which has its own test.
 _OF_AN_EXAMPLE = "agent=mentioned"
 SHELLS = ("bash", "console")
 SETS = {
@@ -51,7 +51,7 @@ SETS = {
 
 
 def commands_of(text: str) -> Iterator[list[str]]:
-    """The words of each command of a page, without comments and ``NAME=VALUE`` before the program."""
+    """The words of each command on a page, without comments and without ``NAME=VALUE`` before the program."""
     lines = [line for kind, block in _BLOCK.findall(text) if kind in SHELLS for line in block.splitlines()]
     for line in [*lines, *_WITHIN_TEXT.findall(_BLOCK.sub("", text))]:
         words = shlex.split(line, comments=True)
@@ -62,12 +62,12 @@ def commands_of(text: str) -> Iterator[list[str]]:
 
 
 def is_group(name: str) -> bool:
-    """Whether an option chooses a file of a folder of ``configs/``."""
+    """Whether an option chooses a file from a folder of ``configs/``."""
     return (ROOT / "configs" / name).is_dir()
 
 
 def told() -> list[tuple[str, list[str]]]:
-    """Every command, once, with the first page that has it."""
+    """Every distinct command, with the first page that has it."""
     found: dict[tuple[str, ...], str] = {}
     for page in PAGES:
         for words in commands_of(page.read_text()):
@@ -79,7 +79,7 @@ TOLD = told()
 
 
 def starting(*start: str) -> list[Any]:
-    """Commands that start so, without these words."""
+    """The commands that start with these words, without them."""
     return [
         pytest.param(words[len(start) :], id=f"{page}: {shlex.join(words)[:90]}")
         for page, words in TOLD
@@ -88,7 +88,7 @@ def starting(*start: str) -> list[Any]:
 
 
 def test_pages_have_commands() -> None:
-    """Of every kind, so that nothing below is empty by mistake."""
+    """There are commands of every kind, so that no test below is empty by mistake."""
     assert len(starting("python", "eval.py")) > 30
     assert len(starting("python", "train.py")) > 10
     assert len(starting("python", "-m", "ucon")) > 20
@@ -105,7 +105,7 @@ def test_every_program_on_a_page_is_known() -> None:
 
 
 def first_of(words: list[str]) -> list[str]:
-    """Overrides of the first run of a sweep; the files that others choose are there, their values of the same type."""
+    """Overrides of a sweep's first run; checks that the other runs' files exist and their values have the same type."""
     if "-m" not in words:
         return words
     first = []
@@ -123,7 +123,7 @@ def first_of(words: list[str]) -> list[str]:
 
 
 def check_evaluation(words: list[str]) -> None:
-    """What ``eval.py`` asks of its options, but for files that are a reader's own."""
+    """Check options as ``eval.py`` does, except for the reader's own files."""
     known = [word for word in first_of(words) if word != _OF_AN_EXAMPLE]
     with initialize_config_dir(str(ROOT / "configs"), version_base="1.3"):
         config: Any = OmegaConf.to_container(compose("eval", [*known, "out=runs/x"]), resolve=True)
@@ -143,7 +143,7 @@ def test_evaluations_are_composed(words: list[str]) -> None:
 
 @pytest.mark.parametrize("words", starting("python", "train.py"))
 def test_trainings_are_composed(words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """By what ``train.py`` itself asks; a run that ``resume=`` names is not there, and nothing else is wrong."""
+    """Checked as ``train.py`` does; the only possible fault is that the run named by ``resume=`` does not exist."""
     monkeypatch.chdir(tmp_path)
     overrides = first_of([word for word in words if not word.startswith("hydra/launcher=")])
     with initialize_config_dir(str(ROOT / "configs"), version_base="1.3"):

@@ -13,8 +13,8 @@ from ucon.configuration.early_checks import OPTIONS, check_early
 from ucon.core.errors import ConfigError
 
 ROOT = Path(__file__).parents[1]
-#: Seconds of a processor, not of a clock: on a busy machine a command waits for others. Measured: 1.0 to 2.0, the aim;
-#: a slower processor gets half as much again.
+#: CPU seconds, since on a busy machine a command waits for others. The aim is 2.0 (measured: 1.0 to 2.0); a slower
+#: processor gets half as much again.
 MOST_S = 3.0
 CALLS = [
     ("eval.py", "agent=nonsense"),
@@ -32,7 +32,7 @@ CALLS = [
 
 
 def computing_s(command: tuple[str, ...], out: Path) -> tuple[float, int, str]:
-    """Seconds that a command and its processes computed, its exit code, and what it said."""
+    """CPU seconds of a command and its processes, its exit code, and its standard error."""
     words = [] if "resume=/nowhere" in command or "--workers=2" in command else [f"out={out}"]
     with subprocess.Popen(
         [sys.executable, *command, *words], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
@@ -47,7 +47,7 @@ def computing_s(command: tuple[str, ...], out: Path) -> tuple[float, int, str]:
 @pytest.mark.timed
 @pytest.mark.parametrize("command", CALLS, ids=" ".join)
 def test_a_wrong_option_is_refused_in_time(tmp_path, command):
-    """The least of three tries: the first one reads files that no cache holds yet."""
+    """The best of three tries, since the first one reads files that are not cached yet."""
     spent = []
     while len(spent) < 3 and not (spent and min(spent) < MOST_S):
         seconds, code, told = computing_s(command, tmp_path / "run")

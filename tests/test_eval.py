@@ -1,4 +1,4 @@
-"""``eval.py`` from end to end, in processes of its own."""
+"""``eval.py`` from end to end, in separate processes."""
 
 import functools
 import json
@@ -91,7 +91,7 @@ def test_a_finished_run_is_not_played_again_and_stays_as_it_is(run):
 
 @pytest.mark.slow
 def test_a_finished_run_is_printed_without_the_weights_that_made_it(tmp_path):
-    """Missing weights stop a run before it begins; exchanged ones are another run; gone ones do not hide results."""
+    """Missing weights stop a run before it begins, changed ones make another run; finished results need no weights."""
     folder, out = save_causal(tmp_path / "llama", positions=2048), tmp_path / "run"
     made = ("agent=lgx", "language=causal_lm", f"language.path={folder}", "habit_level=none", "language.dtype=float32")
     command = (*made, "language.device=cpu", "episodes=mini", "limit=1", "pictures=0", "workers=0", "progress=false")
@@ -174,7 +174,7 @@ def test_context_is_the_same_bytes_with_any_workers(tmp_path):
 
 @pytest.mark.slow
 def test_a_sweep_over_sets_keeps_them_apart(tmp_path):
-    """Named by their overrides, or by the set alone."""
+    """Folders are named by the overrides, or by the set alone."""
     for overrides, before in ((("agent=frontier",), "agent-frontier+"), ((), "")):
         folder = tmp_path / f"sweep{len(overrides)}"
         result = evaluate("-m", *overrides, "episodes=mini,val", "limit=2", "workers=0", f"out={folder}")
@@ -210,7 +210,7 @@ def test_a_sweep_ends_in_a_comparison_and_plays_once_who_reads_no_habits(tmp_pat
         assert f"{label}: 0 of 4 episodes\n" in result.stderr
     assert result.stdout.count("frontier_nearest reads no habits: its results are those in") == 1
     assert "paired differences" in result.stdout
-    for level in ("none", "gt"):  # who reads no habits is compared with every level
+    for level in ("none", "gt"):  # an agent without habits is compared with every level
         assert f"lgx + encoder (all-MiniLM-L6-v2) {level} - frontier_nearest any" in result.stdout
     for folder, found in runs.items():
         made = (folder / "decisions.jsonl").read_text().splitlines()

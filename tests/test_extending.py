@@ -1,4 +1,4 @@
-"""docs/EXTENDING.md: its worked example does what it says, in the two files that it names and no other."""
+"""docs/EXTENDING.md: its worked example does what it says, with only the two files that it names."""
 
 import json
 import os
@@ -43,7 +43,7 @@ def test_the_example_plays_and_reads_habits(clone):
     for level in ("none", "gt"):
         command = [sys.executable, "eval.py", "agent=mentioned", f"habit_level={level}", "episodes=mini", "limit=6"]
         options = [f"out={clone / level}", "workers=0", "pictures=0", "progress=false"]
-        library = os.environ | {"PYTHONPATH": str(ROOT)}  # the same files, so that its kernels are compiled already
+        library = os.environ | {"PYTHONPATH": str(ROOT)}  # the same package, so that its kernels are already compiled
         subprocess.run([*command, *options], cwd=clone, env=library, check=True, capture_output=True, text=True)
         summary = json.loads((clone / level / "summary.json").read_text())
         assert summary["agent"] == "mentioned"

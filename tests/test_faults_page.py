@@ -1,4 +1,4 @@
-"""Every test that the page on faults names is there, and every fault names one."""
+"""Every test named on the page on faults exists, and every fault names one."""
 
 import ast
 import re

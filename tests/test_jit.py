@@ -1,4 +1,4 @@
-"""Compiled kernels are kept by the content of every file that defines one."""
+"""Compiled kernels are cached by the content of every file that defines one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The architecture, held: imports go down only, modules import each other in no circle, folders stay small."""
+"""The architecture is kept: imports only go down, there are no import cycles, and folders stay small."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-#: From the bottom up; a part imports those below it.
+#: From the bottom up; a part imports only those below it.
 LAYERS = (
     "ucon.core", "ucon.objects", "ucon.habits", "ucon.language", "ucon.scenes", "ucon.sim", "ucon.task",
     "ucon.lives", "ucon.readers", "ucon.retrieval", "ucon.perception", "ucon.search", "ucon.memory", "ucon.envs",
     "ucon.generation", "ucon.evaluation", "ucon.fitting", "ucon.learning", "ucon.cluster",
     "ucon.configuration", "ucon.programs", "ucon.pages", "ucon.commands", "ucon.__main__", "models",
 )  # fmt: skip
-#: Files of a folder; shapes are one file a family of objects.
+#: Most files in a folder, and the one folder without a limit: shapes have one file per family of objects.
 MOST, WITHOUT_END = 20, "ucon/objects/shapes"
 
 
@@ -35,7 +35,7 @@ MODULES = modules()
 
 
 def imported(path: Path) -> Iterator[str]:
-    """Modules of the product that a file imports: at once, for types alone, or within a function."""
+    """Modules of the product that a file imports: at the top, only for types, or inside a function."""
 
     def walk(node: ast.AST) -> Iterator[str]:
         for child in ast.iter_child_nodes(node):
@@ -61,9 +61,9 @@ def test_imports_go_down_only(name: str) -> None:
 
 
 def test_modules_import_each_other_in_no_circle() -> None:
-    """Neither when they are imported, nor for types, nor later within a function."""
+    """This includes imports only for types and inside functions."""
     graph = {name: {to for to in imported(path) if to != name} for name, path in MODULES.items()}
-    for name, to in graph.items():  # a package is imported with what it imports, a module of it is not
+    for name, to in graph.items():  # importing a package runs what it imports, but not its modules
         graph[name] = {one for one in to if one != "ucon" and not name.startswith(f"{one}.")}
     try:
         TopologicalSorter(graph).prepare()

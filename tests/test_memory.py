@@ -1,4 +1,4 @@
-"""Freed memory is kept: large blocks that come and go cost no page faults."""
+"""Freed memory is kept by the process, so large blocks that come and go cost no page faults."""
 
 from __future__ import annotations
 

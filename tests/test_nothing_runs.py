@@ -33,7 +33,7 @@ from ucon.task.sets import load_episodes
 
 
 class Touch:
-    """Pickled, it is a call that makes a file."""
+    """Its pickle is a call that makes a file."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -47,21 +47,21 @@ def pickled(path: Path) -> bytes:
 
 
 def by_torch(path: Path) -> bytes:
-    """As ``torch.save`` writes it: a zip with a pickle inside."""
+    """A file as written by ``torch.save``: a zip with a pickle inside."""
     held = io.BytesIO()
     torch.save({"weight": Touch(path)}, held)
     return held.getvalue()
 
 
 def array(path: Path) -> bytes:
-    """A ``.npy`` of objects."""
+    """A ``.npy`` file of objects."""
     held = io.BytesIO()
     np.save(held, np.array([Touch(path)], object))
     return held.getvalue()
 
 
 def arrays(path: Path) -> bytes:
-    """An ``.npz`` of objects."""
+    """An ``.npz`` file of objects."""
     held = io.BytesIO()
     with zipfile.ZipFile(held, "w") as file:
         file.writestr("a.npy", array(path))
@@ -69,7 +69,7 @@ def arrays(path: Path) -> bytes:
 
 
 def climbing(path: Path) -> bytes:
-    """An ``.npz`` whose entry would be written elsewhere, were it unpacked to files."""
+    """An ``.npz`` file whose entry would be written elsewhere if it were unpacked to files."""
     held, inside = io.BytesIO(), io.BytesIO()
     np.save(inside, np.zeros(2))
     with zipfile.ZipFile(held, "w") as file:
@@ -78,7 +78,7 @@ def climbing(path: Path) -> bytes:
 
 
 def tagged(path: Path) -> bytes:
-    """YAML with a call."""
+    """YAML with a tag that calls a function."""
     return f"a: !!python/object/apply:pathlib.Path.touch [!!python/object/apply:pathlib.Path ['{path}']]\n".encode()
 
 
@@ -112,13 +112,13 @@ READERS: dict[str, Callable[[Path], Any]] = {
 @pytest.mark.parametrize("reader", READERS)
 @pytest.mark.parametrize("packed", [False, True])
 def test_nothing_in_a_file_is_run(bomb: str, reader: str, packed: bool, tmp_path: Path) -> None:
-    """Packed as sets and datasets are, too: what lies within is read then."""
+    """Also if packed like sets and datasets, so that the content inside is read."""
     mark = tmp_path / "elsewhere" / "ran"
     mark.parent.mkdir()
     raw = BOMBS[bomb](mark)
     file = tmp_path / ("file.jsonl.xz" if packed else "file.jsonl")
     file.write_bytes(lzma.compress(raw) if packed else raw)
-    if (bomb, reader, packed) == ("climbing", "arrays", False):  # a whole array under an odd name, read into memory
+    if (bomb, reader, packed) == ("climbing", "arrays", False):  # a valid array under an odd name, read into memory
         READERS[reader](file)
     else:
         with pytest.raises((UconError, UnpackError)) as caught:
@@ -130,7 +130,7 @@ def test_nothing_in_a_file_is_run(bomb: str, reader: str, packed: bool, tmp_path
 
 @pytest.mark.parametrize("bomb", ["pickled", "by_torch"])
 def test_the_bombs_are_live(bomb: str, tmp_path: Path) -> None:
-    """A loader that unpickles everything runs them, so that their silence above means something."""
+    """An unsafe loader does run them, so the test above is meaningful."""
     mark = tmp_path / "ran"
     (tmp_path / "bomb").write_bytes(BOMBS[bomb](mark))
     loads = {

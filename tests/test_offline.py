@@ -1,4 +1,4 @@
-"""No network at run time: nothing is asked of another machine, and commands run where there is none."""
+"""No network at run time: no request to another machine, and commands work without a network."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 WATCH = ROOT / "tests" / "network_watch"
-#: A training of two steps.
+#: A training run of two steps.
 TRAINED = (
     "train.py learner=retriever learner.rank=2 learner.n_kbs=1 training.steps=2 training.validate_every=1 "
     "progress=false out={out}/run"
 )
-#: Retrieval for a household and a target that no shipped table of vectors has.
+#: Retrieval with a query and a sentence that are in no shipped table of vectors.
 NEW_QUERY = """-c "
 from ucon.language.store import default_encoder
 from ucon.retrieval import DenseRetriever
@@ -32,12 +32,12 @@ print(book().texts[first])
 
 
 def isolated(command: str) -> list[str]:
-    """The command in a network namespace of its own, with only a loopback."""
+    """The command in its own network namespace, with only a loopback interface."""
     return ["unshare", "-rn", "sh", "-c", f"ip link set lo up; {command}"]
 
 
 def watched(log: Path) -> dict[str, str]:
-    """The environment in which every Python writes down what it asks of other machines."""
+    """The environment in which every Python process logs its attempts to reach other machines."""
     path = os.pathsep.join(filter(None, [str(WATCH), str(ROOT), os.environ.get("PYTHONPATH", "")]))
     return os.environ | {"HF_HUB_OFFLINE": "1", "UCON_NETWORK_LOG": str(log), "PYTHONPATH": path}
 
@@ -75,7 +75,7 @@ def test_the_namespace_has_no_network(no_network):
     ],
 )
 def test_the_watch_sees_what_is_asked_of_other_machines(no_network, tmp_path, asked, attempts):
-    """Otherwise the tests below could not fail."""
+    """Without this, the tests below could not fail."""
     (tmp_path / "asks.py").write_text(f"import socket, subprocess, sys\ns = socket.socket()\n{asked}\n")
     subprocess.run(
         isolated(f"{sys.executable} {tmp_path}/asks.py"), env=watched(tmp_path / "log"), capture_output=True, timeout=60

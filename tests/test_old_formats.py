@@ -1,4 +1,4 @@
-"""Files of another format than this version reads: one line that names both formats and says what to do."""
+"""Files in a format that this version does not read: one line that names both formats and says what to do."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_a_compiled_home(other: str) -> None:
     ("name", "load", "what"), [("mini", load_episodes, "episode"), ("lives_mini", load_lives, "life")]
 )
 def test_a_set_as_it_is_shipped(name: str, load, what: str, tmp_path: Path) -> None:
-    """A whole file, of which one line is of another format: its number is told."""
+    """If one line of a file has another format, the error names the line."""
     lines = [canonical_json(one.to_json()) for one in load(name)[:3]]
     lines[1] = json.dumps(json.loads(lines[1]) | {"format": 0})
     path = tmp_path / "old.jsonl.xz"
@@ -48,7 +48,7 @@ def test_a_set_as_it_is_shipped(name: str, load, what: str, tmp_path: Path) -> N
 
 @pytest.mark.parametrize("alone", [False, True])
 def test_a_checkpoint(alone: bool, tmp_path: Path) -> None:
-    """The hint is the one before it; where all are of another format, a new run."""
+    """The hint names the previous checkpoint; if there is none, it suggests a new run."""
     checkpoints = Checkpoints(tmp_path / "checkpoints", {})
     for step in (1,) if alone else (1, 2):
         checkpoints.save(step, State({"w": torch.zeros(2)}, {}))

@@ -1,4 +1,4 @@
-"""Options that cannot be, in ``eval.py`` and ``train.py``: one line that names them, exit code 2, nothing played."""
+"""Impossible options of ``eval.py`` and ``train.py``: one line that names them, exit code 2, nothing played."""
 
 from __future__ import annotations
 
@@ -66,14 +66,14 @@ OF_TRAIN = [
 
 
 def unwritable(tmp_path: Path) -> list[str]:
-    """Values of ``out=`` that no folder can be made at."""
+    """Values of ``out=`` at which no folder can be made."""
     (tmp_path / "file").write_text("")
     (tmp_path / "locked").mkdir()
     (tmp_path / "locked").chmod(0o500)
     found = [f"{tmp_path}/file", f"{tmp_path}/file/below", f"{tmp_path}/{LONG}", "/proc/none/run"]
     if os.access("/sys", os.F_OK):
-        found.append("/sys/run")  # on a file system that takes nothing, whoever asks
-    if os.geteuid():  # nothing is locked to root
+        found.append("/sys/run")  # a file system that takes no files, even from root
+    if os.geteuid():  # nothing is locked for root
         found.append(f"{tmp_path}/locked/run")
     return found
 
@@ -116,7 +116,7 @@ def _each_is_told(calls: list[tuple[str, ...]], parts: list[str]) -> None:
 
 @pytest.mark.parametrize("script", ["eval.py", "train.py"])
 def test_without_the_environment(script: str, tmp_path: Path) -> None:
-    """A Python that has nothing installed, as the machine's own has not."""
+    """A Python without any packages, like a system's own."""
     bare = [sys.executable, "-S", str(ROOT / script)]
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     done = subprocess.run(bare, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=60)

@@ -1,4 +1,4 @@
-"""Pools whose processes are stopped: nobody waits without end, and nobody is left behind."""
+"""Pools with stopped processes: nothing waits forever, and no process is left behind."""
 
 import os
 import signal
@@ -56,7 +56,7 @@ def test_a_stopped_process_is_ended_and_told():
 
 
 def test_leaving_does_not_wait_for_a_stopped_process():
-    with pytest.raises(KeyboardInterrupt), Pool(1) as pool:  # noqa: PT012 (it is the leaving that is tried)
+    with pytest.raises(KeyboardInterrupt), Pool(1) as pool:  # noqa: PT012 (the exit from the pool is tested)
         pid = pool.result(pool.submit(own_id, 0))
         pool.submit(stops, 0)
         time.sleep(0.5)

@@ -1,4 +1,4 @@
-"""The README's promises that a machine can check."""
+"""Promises of the README that can be checked automatically."""
 
 from __future__ import annotations
 

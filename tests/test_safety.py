@@ -1,4 +1,4 @@
-"""What must not be in the product: unsafe loading, network hosts of one machine, names of tools."""
+"""Things that must not be in the product: unsafe loading of files, and hosts in pinned requirements."""
 
 import ast
 from collections.abc import Iterator
@@ -11,19 +11,19 @@ SOURCES = sorted(
     path for folder in ("ucon", "models", "tests") for path in (ROOT / folder).rglob("*.py")
 ) + sorted(ROOT.glob("*.py"))  # fmt: skip
 
-#: What runs what it reads, in full.
+#: Full names of functions that may run code from what they read.
 UNSAFE = {
     f"{module}.{name}"
     for module in ("pickle", "_pickle", "cPickle", "dill", "cloudpickle", "marshal", "torch.serialization.pickle")
     for name in ("load", "loads", "Unpickler")
 } | {"joblib.load", "shelve.open", "pandas.read_pickle", "yaml.unsafe_load", "yaml.full_load"}
-#: What does so unless it is told otherwise: the option, and the value that tells it.
+#: Functions that do so unless an option has the safe value: the option and that value.
 GUARDED = {"torch.load": ("weights_only", True)}
-#: Options that allow it, and the only value they may have.
+#: Options that allow it, and the only value that they may have.
 SAFE_VALUES = {"weights_only": True, "allow_pickle": False, "trust_remote_code": False}
-#: What a model's folder must not decide: whether its code is run, and whether the network is asked.
+#: Options that must be given when a model is loaded: whether its code is run, and whether the network is used.
 OF_FOLDERS = ("local_files_only", "trust_remote_code")
-#: What was written a line before, and from no file: that a policy can be sent to a worker, and environments be copied.
+#: Unpickling of data just pickled in the same test, never from files: sending policies and copying environments.
 ALLOWED = {
     (f"tests/{name}.py", "pickle.loads")
     for name in (
@@ -34,7 +34,7 @@ ALLOWED = {
 
 
 def unsafe(tree: ast.Module) -> Iterator[str]:
-    """What in a program unpickles, by the full names of what it imports."""
+    """Everything in a program that may unpickle, found by full names."""
     full = imported(tree)
     for node in ast.walk(tree):
         if isinstance(node, ast.Name | ast.Attribute) and (name := named(node, full)) in UNSAFE:
@@ -44,7 +44,7 @@ def unsafe(tree: ast.Module) -> Iterator[str]:
 
 
 def unsafe_call(call: ast.Call, name: str) -> Iterator[str]:
-    """Options of a call that let it unpickle."""
+    """Options of a call, or missing ones, that let it unpickle."""
     given = {word.arg: word.value for word in call.keywords}
     for option, safe in SAFE_VALUES.items():
         if option in given and not is_constant(given[option], safe):
@@ -64,7 +64,7 @@ def is_constant(node: ast.expr, value: object) -> bool:
 
 
 def imported(tree: ast.Module) -> dict[str, str]:
-    """Full names of what is imported, by the names that it goes by."""
+    """Full names of imports, by their local names."""
     found = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
@@ -87,7 +87,7 @@ def named(node: ast.expr, full: dict[str, str]) -> str:
 def test_nothing_is_unpickled(path):
     name = path.relative_to(ROOT).as_posix()
     found = [what for what in unsafe(ast.parse(path.read_text())) if (name, what) not in ALLOWED]
-    if name.startswith("tests/"):  # they read what they have made
+    if name.startswith("tests/"):  # tests read what they have made themselves
         found = [what for what in found if ".from_pretrained without" not in what]
     assert found == []
 

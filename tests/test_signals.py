@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM of ``train.py`` and ``eval.py`` as commands: the exit code, the time, and that it goes on."""
+"""Ctrl-C and SIGTERM for ``train.py`` and ``eval.py`` as commands: exit code, time, and that they continue."""
 
 import functools
 import signal
@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-#: Seconds from the signal to the end of the process that we promise, without those in which it waited for a core.
+#: Promised limit on seconds from the signal to the end of the process, not counting those waiting for a core.
 MOST_S = 5.0
 TRAIN = (
     "train.py", "learner=retriever", "learner.rank=2", "learner.n_kbs=1", "training.validate_every=2",
@@ -18,12 +18,12 @@ TRAIN = (
 )  # fmt: skip
 EVAL = ("eval.py", "agent=frontier", "habit_level=none", "limit=12", "pictures=0", "workers=1")
 CODES = {signal.SIGINT: 130, signal.SIGTERM: 143}
-#: What says that something was done, how many lines of it, and the file that has to come out the same.
+#: The file that shows progress, the number of its lines to wait for, and the file that must come out the same.
 FILES = {TRAIN: ("metrics.jsonl", 2, "metrics.jsonl"), EVAL: ("episodes.jsonl.partial", 3, "episodes.jsonl")}
 
 
 def started(command: tuple[str, ...], out: Path) -> subprocess.Popen[str]:
-    """A shell's background jobs ignore Ctrl-C, so the process is told not to."""
+    """Start a command that reacts to Ctrl-C, even from a shell's background job, which would ignore it."""
     return subprocess.Popen(
         [sys.executable, *command, f"out={out}", "progress=false"],
         cwd=ROOT,
@@ -35,7 +35,7 @@ def started(command: tuple[str, ...], out: Path) -> subprocess.Popen[str]:
 
 
 def waiting_s(pid: int) -> float:
-    """Seconds in which a process's main thread was ready and had no core, as other processes do; 0 where unknown."""
+    """Seconds in which a process's main thread was ready but waited for a core; 0 if unknown."""
     try:
         return int(Path(f"/proc/{pid}/task/{pid}/schedstat").read_text().split()[1]) / 1e9
     except (OSError, IndexError):

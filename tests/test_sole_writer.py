@@ -1,4 +1,4 @@
-"""A folder has one writer at a time, and is free when that one is gone, however it went."""
+"""A folder has one writer at a time, and is free when the writer is gone, however it ended."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""``train.py`` from end to end, in processes of its own."""
+"""``train.py`` from end to end, in separate processes."""
 
 import json
 import signal
@@ -112,7 +112,7 @@ def test_spoilt_configurations_are_named(tmp_path, content, message):
 
 
 def test_a_run_goes_on_where_it_began(tmp_path):
-    """What began on a GPU is not continued on a CPU unasked, nor the other way round."""
+    """A run begun on a GPU is not continued on a CPU unless asked to, nor vice versa."""
     (tmp_path / "config.yaml").write_text(
         WHOLE.replace(
             "ucon.learning.retriever.learner.RetrieverLearner",

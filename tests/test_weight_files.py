@@ -1,4 +1,4 @@
-"""Fingerprints of weights: other bytes, names or sizes give another one, times do not, and large files are sampled."""
+"""Fingerprints of weights depend on bytes, names and sizes but not on times; large files are sampled."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LARGE = weight_files._WHOLE_BYTES + 12345
 
 
 def model(folder: Path, fill: bytes = b"a", header: str = "{}") -> Path:
-    """A configuration and weights of more than is read whole, with a header as safetensors have."""
+    """A configuration and weights too large to be read whole, with a header as in safetensors."""
     folder.mkdir()
     (folder / "config.json").write_text(json.dumps({"hidden_size": 8}))
     body = len(header).to_bytes(8, "little") + header.encode()
@@ -50,7 +50,7 @@ def test_what_differs_has_another(change: str, tmp_path: Path) -> None:
 
 
 def test_of_a_large_file_little_is_read(tmp_path: Path) -> None:
-    """A terabyte of holes, which would take long if it were read."""
+    """A sparse file of a terabyte, which would take long to read."""
     (tmp_path / "model.bin").touch()
     os.truncate(tmp_path / "model.bin", 1 << 40)
     assert len(fingerprint(tmp_path / "model.bin")) == 64

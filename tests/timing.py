@@ -1,4 +1,4 @@
-"""Timing that a busy machine and a full heap do not upset: the fastest of a few tries, in CPU seconds."""
+"""Timing that is robust to a busy machine and a full heap: the fastest of a few tries, in CPU seconds."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from collections.abc import Callable
 import pytest
 from numpy._core._multiarray_umath import __cpu_features__
 
-#: Bars that a processor of another kind than the one they were set on is known to miss: they are checked there.
+#: For limits that other processors than the one they were set on are known to miss; checked only on the latter.
 where_it_was_set = pytest.mark.skipif(
     not __cpu_features__.get("AVX512_SKX"), reason="set on a processor with AVX-512, which this one has not"
 )
 
 
 def fastest_s(action: Callable[[], object], tries: int = 3, at_least_s: float = 0.3) -> float:
-    """Least CPU time of ``tries`` calls or more, until ``at_least_s`` was spent, without garbage collection in between.
+    """Least CPU time of at least ``tries`` calls and ``at_least_s`` seconds, without garbage collection in between.
 
-    A call of milliseconds is slowed by whatever shares the caches with it for as long as that runs: three tries in a
-    row fall into the same bad moment, a third of a second of them seldom does.
+    A call of milliseconds is slowed while another program shares its caches: three tries in a row may all fall into the
+    same bad moment, a third of a second of tries seldom does.
     """
     gc.collect()
     gc.disable()

@@ -1,9 +1,9 @@
 """Base of the agents that ask a language model to choose: LGX, PixelNav and L3MVN.
 
-The habits, and before them the context where one is told, are in the constant part of the prompt, delimited as data, so
-that a prefix cache keeps them for a whole episode. At habit level ``context`` the habits are ranked again by what was
-seen before each choice, and the constant part is rewritten only where that changes the list. An unusable answer is
-replaced by a random candidate (as in LGX and PixelNav) and counted as a fallback.
+The habits, preceded by the context where one is given, are in the constant part of the prompt, delimited as data, so
+that a prefix cache keeps them for a whole episode. At habit level ``context``, before each choice, the habits are
+ranked again by what was seen so far, and the constant part is rewritten only if that changes the list. An unusable
+answer is replaced by a random candidate (as in LGX and PixelNav) and counted as a fallback.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ PROMPTS = Path(__file__).parent / "prompts"
 class AskingAgent(WaypointAgent):
     """Turns decisions into questions to a language model, and its answers into choices.
 
-    A subclass gives :meth:`strategy`, :meth:`questions` and, if answers are not simply candidates, :meth:`conclude`.
+    A subclass defines :meth:`strategy`, :meth:`questions` and, if answers are not simply candidates, :meth:`conclude`.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class AskingAgent(WaypointAgent):
         self._habit_weights: dict[int, tuple[float, ...]] = {}
 
     def check(self) -> None:
-        """Raise an error of one line if the model's weights or its server's key are missing."""
+        """Raise a one-line error if the model's weights or its server's key are missing."""
         self.language.check()
 
     def fingerprint(self) -> str | None:

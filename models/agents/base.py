@@ -22,13 +22,13 @@ class Controller(Protocol):
 
         Args:
             observation: of the reset or the last step.
-            info: of the same.
+            info: of the same reset or step.
         """
         ...
 
 
 class ControllerAgent:
-    """An agent with one controller per slot (environment of the batch); a subclass makes it in :meth:`start`."""
+    """An agent with a controller for each slot (environment of the batch); a subclass makes them in :meth:`start`."""
 
     name = "controllers"
 
@@ -72,7 +72,7 @@ class ControllerAgent:
         ]
 
     def decided(self, slot: int) -> tuple[Seeking, SearchDecision | None] | None:
-        """The search in a slot and what it chose from in its last step; None for controllers that value no views."""
+        """The search in a slot and what it chose from in its last step; None for controllers that score no views."""
         controller = self.controllers[slot]
         if not hasattr(controller, "decided"):
             return None

@@ -2,8 +2,8 @@
 
 The reader gives the probability of each category as the target's anchor, with the relation. An anchor's probability is
 divided among its instances seen so far; the rest stays in unexplored space. Where a frame shows no target, belief falls
-by the chance that it would have shown it. A uniform part makes the search fall back to coverage once all places named
-by the habits were searched.
+by the chance that the frame would have shown one. A uniform part makes the search fall back to coverage once all places
+named by the habits have been searched.
 """
 
 from __future__ import annotations

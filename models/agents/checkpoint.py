@@ -20,7 +20,7 @@ class NetworkCheckpoint:
     """Where the weights of one network come from.
 
     Args:
-        network: whose weights.
+        network: that the weights belong to.
         checkpoint: folder of weights or run of ``train.py``; ``shipped``; ``untrained``; None: there are none yet.
     """
 

@@ -42,9 +42,9 @@ class FrontierRuleAgent(WaypointAgent):
                 most cells per action, where ``overhead`` is added to the actions.
             overhead: actions that every look costs in addition.
             look_around: turn through four headings at the start and on arrival.
-            replan_steps: actions after which it chooses anew; 0: only on arrival.
+            replan_steps: actions after which it chooses again; 0: only on arrival.
             opens: open a closed container on arrival.
-            seed: of the random places where there is no frontier.
+            seed: of the random places that it goes to where there is no frontier.
 
         Raises:
             ConfigError: an unknown rule.

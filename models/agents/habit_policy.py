@@ -52,7 +52,7 @@ class _Search:
     """The views of its last step; None where no choice was due."""
 
     def go(self, choice: Choice | None, also: str = "") -> Action:
-        """Set out for ``choice`` and record why; the first action."""
+        """Set out for ``choice``, record why, and return the first action."""
         self.decided = self.searcher.decision()
         self.log.chose(self.searcher, self.decided, choice, also)
         return self.searcher.choose(choice)
@@ -85,7 +85,7 @@ class HabitPolicyAgent:
                 None: there are no weights yet.
             locate: gives the distribution over the target's places; by default it is read from the habits.
             miss: probability that a look at a place misses a target there; at 1, empty places do not change the belief.
-            sizes: numbers of rows of the tokens, as in training.
+            sizes: numbers of token rows, as in training.
             judge: of suspects, where the detector errs: ``shipped``, a folder, or None for the arithmetic posterior.
             text: embeds names and habits, as in training.
             sample: draw views from the policy's probabilities; each draw is a function of seed, episode and decision.
@@ -112,7 +112,7 @@ class HabitPolicyAgent:
         return self._weights.name
 
     def check(self) -> None:
-        """Raise an error of one line where weights or the device are missing, or weights do not fit.
+        """Raise a one-line error where weights or the device are missing, or weights do not fit.
 
         Raises:
             ConfigError: no such device, or no checkpoint was named.
@@ -204,7 +204,7 @@ class HabitPolicyAgent:
         return draw_search(self._searches[slot].searcher, also=self._attending(slot))
 
     def _attending(self, slot: int) -> str:
-        """Attention of the last chosen view by kind of token, in words; "" where there is nothing to tell."""
+        """Attention of the last chosen view by kind of token, in words; "" where there is nothing to say."""
         import torch
 
         search = self._searches[slot]

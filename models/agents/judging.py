@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class ConfiguredJudge(Shared):
-    """A trained judge by name or folder. Where the detector does not err it is never loaded."""
+    """A trained judge by name or folder; never loaded where the detector makes no errors."""
 
     def __init__(self, folder: str | None) -> None:
         """Name the judge.
@@ -28,7 +28,7 @@ class ConfiguredJudge(Shared):
         self._trained: TrainedJudge | None = None
 
     def check(self) -> None:
-        """Raise an error of one line where the judge is missing or damaged.
+        """Raise a one-line error where the judge is missing or damaged.
 
         Raises:
             ConfigError: no such folder.

@@ -10,7 +10,7 @@ Differences from the paper and its code, and their reasons:
   of targets there is no fixed head to train, so this is the zero-shot form. Its thresholds (0.3 and 0.1 of six labels)
   are scaled by the number of labels.
 - Habits precede the sentence, as many as fit, since there is no prompt.
-- Walking is by the planner that all agents share. A choice is due on arrival, or after 10 actions as in the code.
+- Walking uses the planner that all agents share. A choice is due on arrival, or after 10 actions as in the code.
 - It turns through four headings at the start and on arrival, which L3MVN does not (``look_around``).
 - The square around a frontier whose things are listed is 4 m wide, as in the zero-shot form (6 m with a trained head;
   ``square_m``).
@@ -66,15 +66,15 @@ class L3MVNAgent(AskingAgent):
         Args:
             language: the language model; has to give scores.
             sure: a best frontier above this probability (scaled to six labels) is taken.
-            possible: else the first frontier by utility above this one is taken.
+            possible: otherwise, the first frontier by utility above this probability is taken.
             n_labels: size of the label set.
             square_m: side of the square around a frontier whose things are listed, in metres.
-            replan_steps: actions after which it chooses anew; 0: only on arrival.
+            replan_steps: actions after which it chooses again; 0: only on arrival.
             look_around: turn through four headings at the start and on arrival (L3MVN's camera sees less at once: 79
                 degrees).
             opens: open a closed container on arrival.
             seed: of random choices.
-            prompt: name of its file.
+            prompt: name of the prompt's file.
 
         Raises:
             ConfigError: the model gives no scores.
@@ -89,7 +89,7 @@ class L3MVNAgent(AskingAgent):
         self._sure, self._possible, self._n_labels, self._square_m = sure, possible, n_labels, square_m
 
     def strategy(self, info: Info) -> Strategy:
-        """Candidates of an episode: frontiers of the 5 cm map, by falling utility."""
+        """Candidates of an episode: frontiers of the 5 cm map, in order of decreasing utility."""
         return FineFrontiers(Body.of(info), self._square_m)
 
     def questions(self, decision: Decision, slot: int) -> list[Question]:
@@ -147,7 +147,7 @@ def select(scores: Sequence[float], sure: float, possible: float) -> int:
     """Index of the chosen frontier: the best one if above ``sure``, else the first above ``possible``, else the first.
 
     Args:
-        scores: probabilities scaled to six labels, by falling utility.
+        scores: probabilities scaled to six labels, in order of decreasing utility.
         sure: threshold of the best frontier.
         possible: threshold of the others.
     """

@@ -6,12 +6,12 @@ question, with the things seen in each free direction (``mode="direction"``) or 
 first free direction that shows it.
 
 Differences from the paper and its code, and their reasons:
-- Four views at 90 degrees instead of thirteen at 30: the turns of the task.
-- Rounds until the steps are used up instead of five: 300 steps are given.
+- Four views at 90 degrees instead of thirteen at 30: the task's turns.
+- Rounds until the 300 steps of the task are used up, instead of five.
 - Labels from the detector in use instead of YOLOv5 and GLIP.
 - The prompt lists things by direction and leaves blocked directions out, as the UcON paper describes it; LGX's object
   mode gives one list of everything seen (here: in free directions). Both walk in the thing's direction.
-- Walking is by the planner that all agents share.
+- Walking uses the planner that all agents share.
 - Success is the task's (an approach, and Done within 1 m) instead of an oracle's within 2 m.
 - It opens containers on arrival, which LGX cannot (``opens``).
 - Nothing is remembered between rounds (``memory`` is an addition, off by default).
@@ -70,7 +70,7 @@ class LGXAgent(AskingAgent):
             memory: mark directions that lead to visited nodes.
             opens: open a closed container on arrival.
             seed: of random choices.
-            prompt: name of its file.
+            prompt: name of the prompt's file.
 
         Raises:
             ConfigError: an unknown mode or goal.
@@ -84,7 +84,7 @@ class LGXAgent(AskingAgent):
         self._mode, self._goal, self._reach_m, self._memory = mode, goal, reach_m, memory
 
     def strategy(self, info: Info) -> Strategy:
-        """Candidates of an episode: the free ones of all directions."""
+        """Candidates of an episode: the free directions."""
         return Views(self._goal, most_m=self._reach_m)
 
     def questions(self, decision: Decision, slot: int) -> list[Question]:

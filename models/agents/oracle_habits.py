@@ -1,6 +1,6 @@
-"""``oracle_habits``: knows the household's habits to the letter, and where it last saw the thing.
+"""``oracle_habits``: knows the household's exact habits, and where it last saw the thing.
 
-What happened since it does not know, as little as any agent that remembers.
+Like any agent with a memory, it does not know what happened since.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from ucon.perception.belief.recalled import Recalled
 from ucon.perception.belief.target_belief import Locations
 from ucon.task.agent import Info
 
-#: Probability that the thing is where the rules say at all.
+#: Probability that the thing is at one of the places that the rules give.
 _SURE = 0.98
 
 
 def expected(info: Info) -> tuple[Truth, int, NDArray[np.float64]]:
-    """Truth of the life, number of the possession that is asked for, and the probability of each of its places.
+    """Truth of the life, number of the requested possession, and the probability of each of its places.
 
     Args:
         info: of a request's first frame in a privileged environment of lives.
 
     Raises:
-        ConfigError: the environment is not privileged, or none of lives.
+        ConfigError: the environment is not privileged, or not one of lives.
     """
     try:
         life, number, seen = (info["privileged"][name] for name in ("life", "request", "last_seen"))
@@ -58,7 +58,7 @@ def expected_locations(info: Info) -> Locations:
 
 
 class OracleHabitsAgent(BeliefAgent):
-    """An upper bound of reading and remembering without seeing what happens meanwhile."""
+    """An upper bound of reading habits and remembering, without seeing what happens between requests."""
 
     name = "oracle_habits"
     uses_habits = False
@@ -67,15 +67,15 @@ class OracleHabitsAgent(BeliefAgent):
         """Set up the agent.
 
         Args:
-            points: whether it knows the very places; otherwise anchors and relations alone, as one who reads habits
-                without an error, and of places what its memory says.
+            points: True: it knows the exact points of the places. False: only their anchors and relations, like an
+                agent that reads habits without errors, and the points that its memory holds.
             judge: of suspects; see :class:`models.agents.belief.BeliefAgent`.
         """
         super().__init__(expected_locations, judge=judge)
         self._points = points
 
     def start(self, info: Info) -> Controller:
-        """A controller that is told where the rules say: anchors, and once these are mapped, points."""
+        """A controller that is given the places by the rules: anchors, and points once these are mapped."""
         if not self._points:
             return super().start(info)
         truth, possession, p = expected(info)

@@ -34,7 +34,7 @@ def true_locations(info: Info) -> Locations:
 
 
 class OracleLocationsAgent(BeliefAgent):
-    """An upper bound of reading habits: knows the places a household uses, but not the map or which place it is now."""
+    """An upper bound of reading habits: knows the places a household uses, but not the map or which place is in use."""
 
     name = "oracle_locations"
     uses_habits = False

@@ -1,4 +1,4 @@
-"""``oracle_now``: is told where the target is now, and walks there like ``belief``."""
+"""``oracle_now``: is given the target's current place, and walks there like ``belief``."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ucon.task.episode import Episode
 
 
 def true_location(info: Info) -> Locations:
-    """The anchor and relation by which the target stands now.
+    """The target's current anchor and relation.
 
     Args:
         info: of the reset of a privileged environment.
@@ -57,7 +57,7 @@ class OracleNowAgent(BeliefAgent):
         super().__init__(true_location, judge=judge)
 
     def start(self, info: Info) -> Controller:
-        """A controller that is told the place: its anchor, and once that part of the home is mapped, its point."""
+        """A controller that is given the place: its anchor, and once that part of the home is mapped, its point."""
         place = true_location(info)
         point = info["privileged"]["target_xyz"]
         how = RELATIONS[int(place.p[0].argmax())]

@@ -11,7 +11,7 @@ Differences from the paper and its code, and their reasons:
 - Views without a reachable node in sight at 1 to 5 m are left out of the question; PixelNav's first rule leaves out
   views without floor to walk on.
 - Labels of the detector in use instead of Grounding DINO and SAM.
-- Walking is by the planner that all agents share instead of the learned pixel policy, as in the UcON paper; the goal is
+- Walking uses the planner that all agents share instead of the learned pixel policy, as in the UcON paper; the goal is
   the reachable node in view nearest to the goal pixel, at most 5 m away.
 - It opens containers on arrival, which PixelNav cannot (``opens``).
 - Answers are one of the listed angles without a reason, so that small models can be used.
@@ -67,7 +67,7 @@ class PixelNavAgent(AskingAgent):
             opens: open a closed container on arrival.
             temperature: of the choice, where the model gives scores.
             seed: of random choices.
-            prompt: name of its file; by default that of the inputs.
+            prompt: name of the prompt's file; by default the one for ``inputs``.
 
         Raises:
             ConfigError: unknown inputs, or images for a model that reads none.
@@ -86,7 +86,7 @@ class PixelNavAgent(AskingAgent):
             self.name = "pixelnav_images"
 
     def strategy(self, info: Info) -> Strategy:
-        """Candidates of an episode: those of four views with floor to walk on."""
+        """Candidates of an episode: those of the four views that show floor to walk on."""
         return Views("floor", most_m=self._reach_m, images=self._inputs == "images")
 
     def questions(self, decision: Decision, slot: int) -> list[Question]:

@@ -42,8 +42,8 @@ class _Episode:
 class PolicyAgent:
     """Plays a policy: takes the action of the highest logit, or samples.
 
-    Records are byte-equal with ``batch=1``, for any number of workers. In a larger batch sums may differ in their last
-    bits, and with them an action where two logits are almost equal.
+    With ``batch=1``, records are byte-identical for any number of workers. In a larger batch sums may differ in their
+    last bits, which can change an action where two logits are almost equal.
     """
 
     def __init__(
@@ -90,7 +90,7 @@ class PolicyAgent:
         return self.policy.uses_habits
 
     def check(self) -> None:
-        """Raise an error of one line where weights or the device are missing, or weights do not fit.
+        """Raise a one-line error where weights or the device are missing, or weights do not fit.
 
         Raises:
             ConfigError: no such device, or no checkpoint was named.
@@ -103,7 +103,7 @@ class PolicyAgent:
     def fingerprint(self) -> str | None:
         """Hash of the trained and frozen weights; None where some are missing.
 
-        See :mod:`ucon.evaluation.episodes.needed_weights`.
+        See :mod:`ucon.evaluation.playing.needed_weights`.
         """
         frozen, own = self.policy.fingerprint(), self._weights.sha256()
         if frozen is None or own is None:
@@ -215,7 +215,7 @@ class PolicyAgent:
 
 
 def _check_turns(name: str, info: Info) -> None:
-    """Refuse a task in which a policy over the seven actions would not know what a turn does."""
+    """Refuse a task whose turns differ from those that a policy over the seven actions was trained with."""
     rules = task_rules(str(info.get("task", PAPER.name)))
     if rules.turn_deg != PAPER.turn_deg:
         raise ConfigError(

@@ -36,8 +36,8 @@ class SearchLog:
         """Record, after a frame, what is done without choosing a view: approaching the target, or opening on the way.
 
         Args:
-            searcher: has taken in the frame.
-            action: that follows at once; None where a view is to be chosen.
+            searcher: has processed the frame.
+            action: the next one if no view has to be chosen, else None.
         """
         taking = -1 if not searcher.taking else 0 if searcher.doubt is None else searcher.doubt.suspect
         before, self._taking = self._taking, taking
@@ -49,12 +49,12 @@ class SearchLog:
             self._add(searcher, aim_to_open(searcher))
 
     def chose(self, searcher: Searcher, decision: SearchDecision, choice: Choice | None, also: str = "") -> None:
-        """Record a chosen view before the search goes there; nothing where it is the same as before.
+        """Record a chosen view before the search goes there; nothing if it is the same as before.
 
         Args:
             searcher: of the search.
             decision: the views.
-            choice: the chosen one; None where there is none left.
+            choice: the chosen one; None if no view is left.
             also: text added to the reason.
         """
         going = self._going

@@ -37,7 +37,7 @@ class Chosen:
 
 
 class WaypointAgent:
-    """Walks to chosen candidates. A subclass says what they are (:meth:`strategy`) and chooses (:meth:`choose`)."""
+    """Walks to chosen candidates. A subclass defines them (:meth:`strategy`) and chooses (:meth:`choose`)."""
 
     name = "waypoint"
     uses_habits = True

@@ -1,6 +1,6 @@
-"""The judge of suspects: how probable it is that a thing on the map is the target, from what speaks for and against it.
+"""The judge of suspects: how probable it is that a thing on the map is the target, given the evidence.
 
-A small network corrects the arithmetic posterior (:func:`ucon.search.suspects.arithmetic`). Trained by
+A small network corrects the arithmetic posterior (:func:`ucon.search.suspects.arithmetic`). It is trained by
 ``python train.py learner=judge`` on hypotheses of searches in training homes.
 """
 
@@ -26,7 +26,7 @@ from ucon.search.suspects import EVIDENCE, OF_HABITS
 
 #: The shipped judge, as a run of ``python train.py learner=judge`` leaves it.
 SHIPPED: Final = Path(__file__).parents[2] / "checkpoints" / "judge" / "model"
-#: Probabilities are rounded, so that the last bits of a processor's sums decide nothing.
+#: Decimals of probabilities, which are rounded so that the last bits of a processor's sums decide nothing.
 DECIMALS: Final = 5
 _WIDEST: Final = 512
 

@@ -1,4 +1,4 @@
-"""A convolutional network that reads the map around the agent, and tells of places in it what lies around them."""
+"""A convolutional network that reads the map around the agent, and gives features of what lies around places in it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ucon.search.map_raster import CHANNELS, PIXEL_M, SIDE
 
 
 class ResidualBlock(nn.Module):
-    """Two 3 x 3 convolutions beside the identity.
+    """Two 3 x 3 convolutions with a skip connection.
 
     Args:
         width: channels.
@@ -24,12 +24,12 @@ class ResidualBlock(nn.Module):
         nn.init.zeros_(self.second.bias)
 
     def forward(self, x: Tensor) -> Tensor:
-        """(B, C, H, W) to the same."""
+        """(B, C, H, W) to the same shape."""
         return x + self.second(functional.gelu(self.first(functional.gelu(x))))  # type: ignore[no-any-return]
 
 
 class MapNet(nn.Module):
-    """Features of places from the map: what is around them to 1 m, and to some 10 m.
+    """Features of places from the map: what is near them, at 1 m per pixel, and up to some 10 m away, at 2 m.
 
     Args:
         width: of the features.

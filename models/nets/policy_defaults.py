@@ -41,21 +41,21 @@ class PolicyModule(nn.Module):
         return next(self.parameters()).device
 
     def check(self) -> None:
-        """Raise an error of one line where frozen weights that it needs are missing; loads none."""
+        """Raise a one-line error where frozen weights that it needs are missing; loads none."""
 
     def fingerprint(self) -> str | None:
         """Hash of its frozen weights: "" if it has none, None where they are missing."""
         return ""
 
     def context(self, info: Mapping[str, Any]) -> Arrays:
-        """Arrays that stay the same for an episode; a subclass has to give them.
+        """Arrays that stay the same for an episode; a subclass has to define them.
 
         See :class:`ucon.learning.policies.action_policy.ActionPolicy`.
         """
         raise NotImplementedError
 
     def frame(self, observation: Mapping[str, Any], info: Mapping[str, Any]) -> Arrays:
-        """Arrays of one step; a subclass has to give them.
+        """Arrays of one step; a subclass has to define them.
 
         See :class:`ucon.learning.policies.action_policy.ActionPolicy`.
         """
@@ -86,7 +86,7 @@ class PolicyModule(nn.Module):
         return None
 
     def thoughts(self, info: Mapping[str, Any], frames: Tensors, context: Tensors, state: Tensors) -> Thoughts | None:
-        """For reports: what it thinks after one step of one episode; arguments as of :meth:`picture`.
+        """For reports: what it thinks after one step of one episode; arguments as for :meth:`picture`.
 
         Returns:
             None where the policy keeps no belief.
@@ -113,7 +113,7 @@ def lstm_state(batch: int, lstm: nn.LSTM) -> dict[str, Tensor]:
 
     Args:
         batch: B.
-        lstm: has the sizes and the device.
+        lstm: gives the sizes and the device.
     """
     zeros = torch.zeros(batch, lstm.num_layers, lstm.hidden_size, device=next(lstm.parameters()).device)
     return {"hidden": zeros, "cell": zeros.clone()}

@@ -11,7 +11,7 @@ MOST: Final = 4096
 
 
 def check_sizes(owner: str, **sizes: int) -> None:
-    """Refuse sizes that are no whole numbers from 1 to 4096.
+    """Refuse sizes that are not whole numbers from 1 to 4096.
 
     Args:
         owner: where they are given, such as ``agent.policy``.
@@ -26,7 +26,7 @@ def check_sizes(owner: str, **sizes: int) -> None:
 
 
 def check_heads(owner: str, width: int, heads: int) -> None:
-    """Refuse a width that is no multiple of the number of attention heads.
+    """Refuse a width that the number of attention heads does not divide.
 
     Args:
         owner: where they are given, such as ``agent.policy``.

@@ -78,7 +78,7 @@ class TransformerBlock(nn.Module):
 
 
 class TokenTransformer(nn.Module):
-    """Transformer blocks that share one bias by distance; tokens that do not exist are attended to by none.
+    """Transformer blocks that share one bias by distance; padding is never attended to.
 
     Args:
         width: of tokens.
@@ -111,7 +111,7 @@ class TokenTransformer(nn.Module):
         return self.norm(x)
 
     def attention(self, x: Tensor, xy: Tensor, placed: Tensor, there: Tensor) -> Tensor:
-        """Attention weights of every block, (layers, B, heads, N, N), for display; arguments as of :meth:`forward`."""
+        """Attention weights of every block, (layers, B, heads, N, N), for display; arguments as for :meth:`forward`."""
         bias, weights = self._bias(xy, placed, there), []
         for block in self.blocks:
             assert isinstance(block, TransformerBlock)

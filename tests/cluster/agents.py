@@ -1,4 +1,4 @@
-"""Agents that do to their process, in one episode, what befalls workers: they kill, stop, or fail it."""
+"""Agents that kill, stop or fail their own process in one episode, as can happen to workers."""
 
 import os
 import signal
@@ -10,7 +10,7 @@ from ucon.core.errors import ConfigError
 
 
 class Befalls(RandomAgent):
-    """In one episode something befalls its process, as long as fewer than ``times`` processes had it."""
+    """Does ``what`` to its process in the episode of ``target``, as long as fewer than ``times`` processes had it."""
 
     def __init__(self, what: str, folder: Path, target: str, times: int) -> None:
         super().__init__(seed=4, done_probability=0.05)
@@ -36,7 +36,7 @@ class Befalls(RandomAgent):
 
 
 class Slow(RandomAgent):
-    """Takes its time, so that something can happen meanwhile."""
+    """Is slow to reset, so that something can happen in the meantime."""
 
     def __init__(self) -> None:
         super().__init__(seed=4, done_probability=0.05)

@@ -7,9 +7,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-#: Most seconds until workers that were started have a place.
+#: Most seconds until started workers are placed.
 PLACED_S = 60.0
-#: Most seconds until a process that was killed has ended.
+#: Most seconds until a killed process has ended.
 ENDED_S = 30.0
 
 
@@ -25,7 +25,7 @@ class Raylets:
         self.address: str = self._cluster.address
 
     def wait_until_full(self) -> None:
-        """Wait until every CPU has a worker, so that a raylet that is killed then takes one with it."""
+        """Wait until every CPU has a worker, so that a raylet killed afterwards takes one with it."""
         import ray
 
         end = time.monotonic() + PLACED_S
@@ -34,7 +34,7 @@ class Raylets:
             time.sleep(0.1)
 
     def kill_second(self) -> None:
-        """Kill it with all its workers, as where a machine is lost."""
+        """Kill the second raylet with all its workers, as if a machine were lost."""
         if self._second is not None:
             self._cluster.remove_node(self._second, allow_graceful=False)
             self._second = None
@@ -58,7 +58,7 @@ def two_raylets(cpus: int = 1) -> Iterator[Raylets]:
 
 
 def wait_until_ended(processes: list[int]) -> None:
-    """Wait until none of them runs: a process that was killed ends a moment later."""
+    """Wait until none of the processes runs: a killed process ends a moment later."""
     end = time.monotonic() + ENDED_S
     while running := [process for process in processes if is_running(process)]:
         assert time.monotonic() < end, f"still running: {running}"

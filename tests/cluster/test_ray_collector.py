@@ -1,4 +1,4 @@
-"""Training on two raylets: the experience is that of local workers, whichever worker or machine is lost."""
+"""Training on two raylets: the experience equals that of local workers, whichever worker or machine is lost."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""Labels and lives made on two raylets are those made here; a machine that is lost costs nothing."""
+"""Labels and lives made on two raylets equal those made locally; a lost machine changes nothing."""
 
 import json
 import os
@@ -99,7 +99,7 @@ def test_lives_are_those_made_here_although_a_raylet_is_killed(capfd):
 
 
 def test_homes_and_sets_travel_to_a_machine_without_pybullet(tmp_path):
-    """A process whose cache is empty and that cannot import PyBullet unpacks the luggage, and finds both."""
+    """A process with an empty cache that cannot import PyBullet unpacks the luggage and finds both."""
     luggage = Luggage.packed([HOME], ["val"])
     (tmp_path / "luggage").mkdir()
     for name, data in luggage.pack.items():

@@ -1,4 +1,4 @@
-"""Evaluation on two raylets: the records are those of one process, whichever worker or machine is lost."""
+"""Evaluation on two raylets: the records equal those of one process, whichever worker or machine is lost."""
 
 from functools import partial
 
@@ -96,7 +96,7 @@ def test_no_workers_are_refused():
 
 
 def test_a_raylet_that_is_killed_costs_nothing(alone, capfd):
-    """Both workers play; one raylet dies with its worker, and there is room for one alone afterwards."""
+    """Both workers play; one raylet dies with its worker, and afterwards there is room for only one."""
     with two_raylets() as made:
         kept = []
 

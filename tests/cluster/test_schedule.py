@@ -1,4 +1,4 @@
-"""Reckoned schedules: what must hold of any, and what trouble costs."""
+"""Simulated schedules: properties that hold for all of them, and the cost of trouble."""
 
 import json
 
@@ -35,7 +35,7 @@ def test_trouble_costs_time_and_no_job():
 
 
 def test_the_last_worker_that_is_lost_is_waited_for():
-    """One worker and one job: it is begun again after each loss, and done in the end."""
+    """One worker and one job: the job is restarted after each loss and finished in the end."""
     trouble = Trouble(lost_per_hour=5, slow_share=0, start_s=1, found_s=1)
     found = max((simulate([1200.0], 1, trouble, seed=seed) for seed in range(9)), key=lambda one: one.lost)
     assert found.lost > 1

@@ -1,4 +1,4 @@
-"""A folder does not say which cluster is connected to."""
+"""A run's folder cannot choose the cluster to connect to."""
 
 from pathlib import Path
 

@@ -2,9 +2,9 @@
 
     python -m tests.commands.hostile FOLDER (fast | all) < parts.json
 
-Standard input is a JSON object: a constructor's name to its place and what is stored there. What it did that no stored
-configuration may (programs, sockets, code out of ``FOLDER``) is written as a JSON list, with the number of builds.
-``fast`` tries every eighth value, and of learners one alone.
+Standard input is a JSON object that maps a constructor's name to its place and what is stored there. The output is a
+JSON object: the numbers of builds and, under ``seen``, everything done that no stored configuration may do (start
+programs, open sockets, run code from ``FOLDER``). ``fast`` tries every eighth value, and for learners only one.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ FORBIDDEN = (
 
 
 class Watch:
-    """An audit hook, and what it saw while it was armed."""
+    """An audit hook that records forbidden events while it is armed."""
 
     def __init__(self, folder: Path) -> None:
         self.folder, self.armed, self.doing = str(folder), False, ""
@@ -46,7 +46,7 @@ class Watch:
 
 
 def hostile(folder: Path) -> list[Any]:
-    """Commands, paths, addresses and code, in all the forms that an argument takes."""
+    """Commands, paths, addresses and code, in every form that an argument can take."""
     program = str(folder / "program")
     texts = [
         program, f"{program};", f"$({program})", f"`{program}`", f"|{program}", str(folder), str(folder / "model"),
@@ -59,7 +59,7 @@ def hostile(folder: Path) -> list[Any]:
 
 
 def cases(target: str, node: dict[str, Any], values: list[Any]) -> Iterator[dict[str, Any]]:
-    """The node as it is with each hostile value in each argument, known or not."""
+    """The node with each hostile value in each argument, known or unknown; last, with all texts replaced."""
     for name in (*arguments_of(target), "unknown"):
         for value in values:
             yield node | {name: value}
@@ -74,7 +74,7 @@ def nested(place: list[str], node: Any) -> dict[str, Any]:
 
 
 def built(place: list[str], node: dict[str, Any]) -> bool:
-    """Build a node as the commands do, and ask it what they ask; False where it is refused."""
+    """Build a node as the commands do, and call what they call; raises :class:`UconError` if it is refused."""
     config = checked(nested(place, node), "config.yaml", (place[0],), {}, "--set ")
     for name in place:
         config = config[name]
@@ -83,14 +83,14 @@ def built(place: list[str], node: dict[str, Any]) -> bool:
         for ask in ("check", "fingerprint"):
             getattr(made, ask, lambda: None)()
     except UconError:
-        return True  # it was let through, and failed by itself
-    except Exception:  # hostile values may be bugs elsewhere; here it counts what they do
+        return True  # it was let through, and failed on its own
+    except Exception:  # hostile values may trigger bugs elsewhere; here only their side effects count
         return True
     return True
 
 
 def main(folder: Path, wanted: Callable[[str], bool], every: int) -> dict[str, Any]:
-    """Build all, first as they are, so that what is imported then is not taken for their doing."""
+    """Build all, first as they are, so that their imports are not attributed to the hostile values."""
     parts, watch = json.load(sys.stdin), Watch(folder)
     for place, node in parts.values():
         _quietly(place, node)

@@ -1,4 +1,4 @@
-"""What ``configs/`` builds, for tests of stored configurations: each constructor with the arguments it has there."""
+"""What ``configs/`` builds, for tests of stored configurations: each constructor with its arguments."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-#: Values that files leave to the user, and the agents that parts are of.
+#: Values that files leave to the user, and the agents that parts and learners belong to.
 GIVEN = {
     "habits/official": ["habits.path=none"],
     "habits/folder": ["habits.path=none"],
@@ -37,7 +37,7 @@ def composed(root: str, *overrides: str) -> dict[str, Any]:
 
 @cache
 def stored() -> dict[str, dict[str, Any]]:
-    """One configuration for every file of a group, by ``group/name``; of training those of its own groups."""
+    """One configuration for every file of a group, by ``group/name``; those of training are composed by ``train``."""
     out = {}
     for file in sorted(CONFIGS.glob("*/*.yaml")):
         group, name = file.parent.name, file.stem
@@ -49,7 +49,7 @@ def stored() -> dict[str, dict[str, Any]]:
 
 
 def parts(node: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], dict[str, Any]]]:
-    """Everything with a ``_target_``, and where it stands."""
+    """Every node with a ``_target_``, with its place."""
     if isinstance(node, dict):
         if "_target_" in node:
             yield place, node
@@ -59,7 +59,7 @@ def parts(node: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, .
 
 @cache
 def each() -> dict[str, tuple[tuple[str, ...], dict[str, Any]]]:
-    """Every constructor of ``configs/`` once: its place in a stored configuration, and what is stored there."""
+    """Every constructor of ``configs/`` once: its place in a stored configuration, and the node stored there."""
     out: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {}
     for config in stored().values():
         for place, node in parts(config):

@@ -1,4 +1,4 @@
-"""Values of the wrong kind are refused by name, before anything is built."""
+"""Values of the wrong kind are refused, and the argument named, before anything is built."""
 
 import pytest
 

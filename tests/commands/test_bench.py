@@ -1,4 +1,4 @@
-"""``python -m ucon bench``: every figure has a unit, its name in ``--json`` stays, and progress is told."""
+"""``python -m ucon bench``: every figure has a unit, names in ``--json`` stay the same, and progress is shown."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_many_homes_are_measured(monkeypatch: pytest.MonkeyPatch, capsys: pytest
     for name, few in {"SLOTS": 2, "_STEPS": 2, "_ROUNDS": 1, "_BATCHES": 1}.items():
         monkeypatch.setattr(bench_batched, name, few)
     monkeypatch.setattr(bench_batched, "one_per_home", lambda episodes: list(episodes[:1]))
-    monkeypatch.setattr(bench_batched, "keep_freed_memory", lambda: True)  # for a process that is all a bench
+    monkeypatch.setattr(bench_batched, "keep_freed_memory", lambda: True)  # for a process that only runs this
     assert main(["bench", "--batched", "--json"]) == 0
     told = capsys.readouterr()
     found = json.loads(told.out)

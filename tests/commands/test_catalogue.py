@@ -1,4 +1,4 @@
-"""``python -m ucon catalogue``: every name, grouped, on lines that fit a terminal; a word chooses some."""
+"""``python -m ucon catalogue``: every name, grouped, on lines that fit a terminal; a word filters them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ucon.objects.catalogue import catalogue
 
 
 def named(told: str) -> dict[str, list[str]]:
-    """Names by group in what is printed above the counts."""
+    """Names by group, from the part of the output above the counts."""
     text = told.partition("\n\n")[0].replace("\n  ", " ")
     groups = (line.partition(": ") for line in text.splitlines())
     return {group: names.split(", ") for group, _, names in groups}

@@ -1,4 +1,4 @@
-"""The command line as a user meets it: in processes of its own."""
+"""The command line as a user runs it, each command in its own process."""
 
 import json
 import re

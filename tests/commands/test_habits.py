@@ -1,4 +1,4 @@
-"""``habits show`` and ``habits survey`` as a user meets them, in this process."""
+"""``habits show`` and ``habits survey`` as a user runs them, but in this process."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""``--help`` of the scripts: every option with a comment, and every choice."""
+"""``--help`` of the scripts: every option with its comment, and every choice of every group."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ def blocks(kind: str, text: str) -> list[str]:
 
 
 def run(*words: str, cache: Path) -> subprocess.CompletedProcess[str]:
-    """A command in a clone, with a cache of its own."""
+    """Run a command in the clone, with its own cache."""
     env = os.environ | {"UCON_CACHE": str(cache), "COLUMNS": "140"}
     command = [sys.executable, *words]
     return subprocess.run(command, cwd=ROOT, env=env, capture_output=True, text=True, timeout=300)
@@ -36,7 +36,7 @@ def run(*words: str, cache: Path) -> subprocess.CompletedProcess[str]:
 
 @pytest.fixture(scope="module")
 def played(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
-    """A folder in which the README's commands were run as they are printed, and what they told."""
+    """A folder in which the README's commands were run as printed, and their output."""
     folder, told = tmp_path_factory.mktemp("home"), ""
     for line in blocks("bash", SECTION)[0].splitlines():
         program, *words = line.partition("#")[0].replace("my_home.yaml", str(folder / "my_home.yaml")).split()
@@ -67,7 +67,7 @@ def test_what_is_built_is_told_as_the_page_says(played: tuple[Path, str]) -> Non
 
 @pytest.mark.slow
 def test_runs_are_played_again_and_watched(played: tuple[Path, str]) -> None:
-    """In other processes, from the file; without it one line says so."""
+    """In other processes, from the home's file; if the file is missing or changed, the command says so."""
     folder, cache = played[0], played[0] / "cache"
     kept = folder / "runs" / "agent-belief+habit_level-retrieval"
     again = run("-m", "ucon", "replay", str(kept), "--out", str(folder / "again"), cache=cache)
@@ -180,7 +180,7 @@ def test_other_habits_than_those_of_the_file_are_refused(file: Path) -> None:
 
 
 def test_all_faults_are_told_at_once_by_line(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Also what only the built home can tell, and the furniture that found no place."""
+    """Including faults that only show once the home is built, and furniture that does not fit."""
     file.write_text(
         "rooms:\n  bedroom:\n    size: [2, 2]\n    furniture: {bed: 3, piano: 1}\n"
         "  kitchen:\n    size: [3.5, 4]\n    furniture: {microwave: 1, countertop: 2, fridge: 1}\n"

@@ -1,4 +1,4 @@
-"""``python -m ucon info``: the actions, and of an episode its home, its people and its target."""
+"""``python -m ucon info``: the actions, and an episode's home, people and target."""
 
 from __future__ import annotations
 

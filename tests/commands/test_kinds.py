@@ -1,4 +1,4 @@
-"""Values of every kind in place of every option of ``configs/``: refused by name, or of the right kind."""
+"""Values of every kind for every option of ``configs/``: accepted if of the right kind, else refused by name."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def test_bounds_and_names() -> None:
 
 
 def refusal(do: Callable[..., Any], *arguments: Any) -> str | None:
-    """What a user is told where something is refused; anything else that goes wrong is a bug."""
+    """The message to the user if something is refused, else None; any other exception is a bug."""
     try:
         do(*arguments)
     except UconError as error:
@@ -109,18 +109,18 @@ def refusal(do: Callable[..., Any], *arguments: Any) -> str | None:
 
 
 def leaves(node: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
-    """Values that are no mappings, and where they stand."""
+    """Values that are not mappings, with their places."""
     if isinstance(node, dict) and node:
         for name, inner in node.items():
             yield from leaves(inner, (*place, name))
-    elif not place[-1].startswith("_"):  # which are Hydra's own
+    elif not place[-1].startswith("_"):  # names with _ are Hydra's own
         yield place, node
 
 
 def alike(value: Any, other: Any) -> bool:
-    """Whether one may well stand in place of the other: by its type, whatever the annotation says."""
+    """Whether ``other`` may replace ``value``, judged by its type and not by the annotation."""
     if value is None or other is None:
-        return True  # what is null in a file may be something else, and the other way round
+        return True  # an option that is null in a file may have a value, and vice versa
     if isinstance(value, bool) or isinstance(other, bool):
         return type(value) is type(other)
     if isinstance(value, float):
@@ -133,23 +133,23 @@ def alike(value: Any, other: Any) -> bool:
 
 
 def replaced(config: dict[str, Any], place: tuple[str, ...], value: Any) -> dict[str, Any]:
-    """A copy along the way to a place, where another value stands."""
+    """The configuration with another value at a place; only the mappings on the path to it are copied."""
     if not place:
         return value
     return config | {place[0]: replaced(config[place[0]], place[1:], value)}
 
 
 def check(root: str, config: dict[str, Any]) -> None:
-    """What a run checks before it builds."""
+    """Check a configuration as a run does before it builds anything."""
     check_options(config, EVALUATION if root == "eval" else TRAINING)
     for part in BUILT[root]:
-        if config.get(part) is not None or part not in ("memory", "runner"):  # older runs have none
+        if config.get(part) is not None or part not in ("memory", "runner"):  # older runs have neither
             check_arguments(config[part])
 
 
 @pytest.mark.parametrize("root", ["eval", "train"])
 def test_every_option_of_every_file_is_of_a_kind(root: str) -> None:
-    """Walks all files: whatever is put in place of a value is refused in a line, or is of its type."""
+    """Goes through all files: any replacement for a value is refused in one line, or is of the same type."""
     seen: set[str] = set()
     for name, config in stored().items():
         if ("learner" in config) != (root == "train"):
@@ -158,7 +158,7 @@ def test_every_option_of_every_file_is_of_a_kind(root: str) -> None:
         for place, value in leaves(config):
             option = "->".join((str(_owner(config, place)), place[-1]))
             if option in seen or (len(place) > 1 and place[0] in {*PARTS, *sum(BUILT.values(), ())} - set(BUILT[root])):
-                continue  # what is not built is not judged but where it is
+                continue  # a part is checked only where it is built
             seen.add(option)
             for other in VALUES:
                 if alike(value, other):
@@ -176,7 +176,7 @@ PARTS = ("collector", "detector", "habits", "language", "retriever", "search")
 
 
 def _owner(config: Any, place: tuple[str, ...]) -> str:
-    """The constructor whose argument stands at a place; the group's name where there is none."""
+    """The constructor that gets the argument at a place; the group's name if there is none."""
     owner = place[0]
     for name in place[:-1]:
         config = config[name]
@@ -218,14 +218,14 @@ def _build_each(wanted: Any) -> None:
             for value in (*BUILDABLE, None, True, False):
                 if kind.takes(value):
                     told = refusal(Factory(copy.deepcopy(node) | {name: value})) or ""
-                    listed = "faults, the first" in told.partition("\n")[0]  # all faults of a folder, one a line
+                    listed = "faults, the first" in told.partition("\n")[0]  # all faults of a folder, one per line
                     assert listed or "\n" not in told, (target, name, value)
 
 
 def test_what_says_nothing_of_itself_is_as_it_was() -> None:
     config = composed("eval")
     del config["every"]
-    check_options(config, EVALUATION)  # older runs have fewer
+    check_options(config, EVALUATION)  # older runs have fewer options
     assert NOTHING.takes(None)
     assert SWITCH.takes(False)
     assert not TEXT.takes(None)

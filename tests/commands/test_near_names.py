@@ -1,4 +1,4 @@
-"""A name that does not exist is answered in one line with the one that was meant: every group, every kind of word."""
+"""An unknown name is answered in one line that suggests the one meant, for every group and kind of word."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def test_on_the_command_line(
     words, meant = COMMANDS[kind]
     try:
         code = main(words)
-    except SystemExit as end:  # argparse leaves so
+    except SystemExit as end:  # argparse exits this way
         code = int(end.code or 0)
     (line,) = capsys.readouterr().err.splitlines()
     assert code == 2

@@ -1,4 +1,4 @@
-"""A Python without PyBullet's wheels, with newer packages, plays a pack to the same bytes."""
+"""A newer Python without PyBullet, with newer packages, plays a pack to the same bytes."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ print(digest.hexdigest())
 
 
 def python313() -> str | None:
-    """Whichever there is and starts: on the path, or one that pyenv keeps."""
+    """A Python 3.13 that starts, from pyenv or the path; None if there is none."""
     kept = sorted(Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")).glob("versions/3.13*/bin/python3.13"))
     for candidate in (*map(str, kept), shutil.which("python3.13")):
         if candidate and subprocess.run([candidate, "-c", ""], capture_output=True, check=False).returncode == 0:

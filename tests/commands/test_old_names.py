@@ -1,4 +1,4 @@
-"""Stored configurations are read in today's names, and a removed argument that did something is an error."""
+"""Stored configurations are translated to today's names, and a removed argument that had an effect is an error."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``python -m ucon pack``: what it writes is enough to play and to learn where there is no PyBullet."""
+"""``python -m ucon pack``: what it writes is enough to play and to train without PyBullet."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ except UconError as error:
 
 @pytest.fixture(scope="module")
 def pack(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Two training episodes of one home, which is not shipped, and their homes."""
+    """A pack of two training episodes in one home that is not shipped, with that home and Rs_int."""
     folder = tmp_path_factory.mktemp("pack")
     chosen = load_episodes("train")[0]
     assert not (PACKED / file_name(chosen.scene)).exists()

@@ -1,4 +1,4 @@
-"""Playing finished runs again: the same comes out, and what does not is told."""
+"""Replaying finished runs gives the same records, and any difference is reported."""
 
 import json
 import lzma
@@ -25,7 +25,7 @@ SHIPPED = ("runs/e2e-searches", "checkpoints/habit_policy_e2e")
 
 
 def asks_for_more_than_is_shipped(folder: Path) -> bool:
-    """Trained weights of one's own, other data, or a language model that has to be fetched."""
+    """Whether a run needs weights that are not shipped, other data, or a language model that must be fetched."""
     text = (folder / "config.yaml").read_text().replace("\nout: runs/", "").replace(SHIPPED[0], "")
     return any(asked in text for asked in ("runs/", "PATH/", "path: smollm2"))
 
@@ -36,7 +36,7 @@ OWN = [folder for folder in RECORDED if not asks_for_more_than_is_shipped(folder
 
 @pytest.fixture
 def kept(tmp_path):
-    """A run of the results, as far as three of its episodes."""
+    """A run from results/, cut to its first three episodes."""
     folder = tmp_path / "kept"
     shutil.copytree(RESULTS / "learned-frontier", folder)
     packed = folder / "episodes.jsonl.xz"
@@ -51,7 +51,7 @@ def kept(tmp_path):
 
 
 def altered(folder, **options):
-    """The run with other options in its configuration."""
+    """Change options in the run's configuration."""
     config = OmegaConf.load(folder / "config.yaml")
     for name, value in options.items():
         config[name] = value
@@ -80,7 +80,7 @@ def content(folder):
 
 @pytest.mark.slow
 def test_a_run_of_a_gpu_can_be_played_on_the_processor(tmp_path):
-    """Its networks run where it is said; there is no GPU here to play it as it is stored."""
+    """--device says where its networks run; there is no GPU here to replay it as it is stored."""
     folder = tmp_path / "kept"
     shutil.copytree(RESULTS / "learned-habit_policy-retrieval", folder)
     altered(folder, agent={**OmegaConf.load(folder / "config.yaml").agent, "device": "cuda:9"})
@@ -93,7 +93,7 @@ def test_a_run_of_a_gpu_can_be_played_on_the_processor(tmp_path):
 
 
 def test_every_time_it_is_really_played_and_what_is_kept_stays_as_it_is(kept, tmp_path):
-    """Beside it, beside what was played before, whole or in part."""
+    """Each replay, whole or in part, goes to a new folder beside the run and earlier replays."""
     before, found = content(kept), []
     for runs, words in (([kept, kept], []), ([kept], ["--every", "2"])):
         result = run("replay", *map(str, runs), "--workers", "0", "--out", str(kept.parent), "--json", *words)
@@ -237,16 +237,16 @@ def test_bad_options_end_in_one_line(words, part, tmp_path):
 
 
 def has_a_network(folder: Path) -> bool:
-    """Whose sums in float32 end in other bits on another kind of processor, which can tip what is nearly a tie."""
+    """Whether a network is asked: its float32 sums differ between kinds of processors, which can tip near-ties."""
     return "policy" in OmegaConf.load(folder / "config.yaml").agent
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("folder", OWN, ids=lambda folder: folder.name)
 def test_the_results_come_out_again(folder, tmp_path):
-    """Some episodes of every recorded run that needs nothing but what is shipped."""
+    """Some episodes of every recorded run that needs only what is shipped."""
     if has_a_network(folder) and torch.backends.cpu.get_cpu_capability() != "AVX512":
         pytest.skip("recorded with AVX-512, and a network is asked")
     words = (str(folder), "--every", "200", "--path", "=".join(SHIPPED), "--out", str(tmp_path))
-    result = run("replay", *words, timeout=900)  # the first with another encoder has all sentences to encode
+    result = run("replay", *words, timeout=900)  # the first run with another encoder has to encode all sentences
     assert "the same to the byte" in result.stdout, result.stdout + result.stderr

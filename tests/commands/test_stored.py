@@ -1,4 +1,4 @@
-"""A stored configuration builds what ``configs/`` builds at that place, and nothing that reaches out by itself."""
+"""A stored configuration builds what ``configs/`` builds at that place, and starts or contacts nothing on its own."""
 
 from __future__ import annotations
 
@@ -168,12 +168,12 @@ def a_run(folder: Path, key: str, value: Any) -> Path:
     shutil.copytree(ROOT / "results" / "learned-frontier", folder)
     config = yaml.safe_load((folder / "config.yaml").read_text())
     (folder / "config.yaml").write_text(yaml.safe_dump(put(config | {"limit": 1}, key, value)))
-    reseal(folder)  # checksums are no signature
+    reseal(folder)  # checksums are not signatures: anybody can write them
     return folder
 
 
 def test_a_strangers_folder_starts_no_program(tmp_path: Path, canary: tuple[Path, Path]) -> None:
-    """The three ways that did: a link to a program, a detector with one, and the same within a factory."""
+    """Three ways that once did: a link to a program, a detector with one, and the same inside a factory."""
     program, left = canary
     link = {**LINK, "command": [str(program)]}
     yolo = each()["ucon.perception.detectors.yolo_world.YoloWorldDetector"][1]
@@ -203,7 +203,7 @@ def test_a_strangers_folder_starts_no_program(tmp_path: Path, canary: tuple[Path
 
 
 def hostile_builds(folder: Path, parts: dict[str, Any], how: str) -> dict[str, Any]:
-    """What comes of :mod:`tests.commands.hostile`; the folder holds a program and code that would leave a file."""
+    """The output of :mod:`tests.commands.hostile`; ``folder`` has a program and code that would leave a file."""
     left = folder / "canary"
     (folder / "program").write_text(f"#!/bin/sh\ntouch {left}\n")
     (folder / "program").chmod(0o755)
@@ -235,7 +235,7 @@ def test_all_hostile_arguments_start_nothing(tmp_path: Path) -> None:
 
 
 def test_the_watch_sees_what_it_should(tmp_path: Path) -> None:
-    """A test of the test: with programs and servers let through, they are noticed."""
+    """A test of the test: programs, sockets and code from the folder are noticed."""
     code = (
         "import subprocess, socket, sys; from pathlib import Path; from tests.commands.hostile import Watch\n"
         f"watch = Watch(Path({str(tmp_path)!r})); watch.armed = True\n"
@@ -249,7 +249,7 @@ def test_the_watch_sees_what_it_should(tmp_path: Path) -> None:
 
 
 def bomb() -> str:
-    """Nine lines that describe ten thousand million nodes."""
+    """Ten lines that describe ten thousand million nodes."""
     lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x, x]"]
     lines += [f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 10)}]" for k in range(1, 10)]
     return "\n".join(lines)

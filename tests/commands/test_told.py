@@ -1,4 +1,4 @@
-"""What loading a dataset by path tells: what is left out and why, other languages; and marks that editors leave."""
+"""Warnings when a dataset is loaded by path: what is left out and why, other languages; and byte order marks."""
 
 import json
 import shutil

@@ -1,4 +1,4 @@
-"""``python -m ucon try``: own habits, from the command line to two searches."""
+"""``python -m ucon try``: the user's own habits, from the command line to two searches."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Setting up compiles what an evaluation uses, in two processes, into one cache."""
+"""``doctor --warm`` compiles everything that an evaluation uses, in two processes, into one cache."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def test_after_setting_up_nothing_is_compiled(tmp_path: Path) -> None:
     kernels = tmp_path / "kernels"
 
     def compiled_by(*words: str) -> set[Path]:
-        """Names of the files that a program adds to a cache folder."""
+        """Paths of the files that a program adds to a cache folder or changes in it."""
         before = {path: path.stat().st_mtime_ns for path in kernels.rglob("*.nb?")}
         setting = os.environ | {"NUMBA_CACHE_DIR": str(kernels), "OMP_NUM_THREADS": "1"}
         words = (sys.executable, *words)

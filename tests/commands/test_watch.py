@@ -1,4 +1,4 @@
-"""``python -m ucon watch``: any episode of a finished run, listed and filmed."""
+"""``python -m ucon watch``: episodes of a finished run are listed, and any of them filmed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""YAML of others: plain values with their lines, and everything else refused in one line."""
+"""YAML from others: plain values with their line numbers; everything else is refused in one line."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def test_data_of_programs_has_the_same_limits() -> None:
 
 
 def test_no_text_ends_otherwise() -> None:
-    """Texts of all kinds of signs are read, or refused in one line."""
+    """Texts of all kinds of characters are read, or refused in one line."""
     rng = random.Random(3)
     signs = [
         "a",

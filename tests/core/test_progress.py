@@ -1,4 +1,4 @@
-"""Progress where output is no terminal: few plain lines, each with the time left; at one, a bar."""
+"""Progress: a bar on a terminal; elsewhere a few plain lines, each with the time left."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ with Progress("short", 3, unit="things") as bar:
 
 
 class Clock:
-    """A second hand that the test turns."""
+    """A clock in seconds that the test sets."""
 
     def __init__(self) -> None:
         self.now = 100.0

@@ -1,4 +1,4 @@
-"""The strict reader of JSON: what it refuses, and that everything else reads as by Python's own."""
+"""The strict reader of JSON: what it refuses, and that it reads everything else as Python's own reader does."""
 
 import json
 from pathlib import Path
@@ -69,7 +69,7 @@ def test_keys_twice_can_be_noted_and_half_characters_let_through() -> None:
 def test_a_file_is_not_read_beyond_its_limit(tmp_path: Path) -> None:
     file = tmp_path / "large.json"
     with file.open("wb") as written:
-        written.truncate(1 << 40)  # a terabyte that takes no room
+        written.truncate(1 << 40)  # a sparse file of a terabyte
     with pytest.raises(DataError, match="expected at most 1,000"):
         read_json(file, "remove it", max_bytes=1000)
     for path in (tmp_path, tmp_path / "none.json"):

@@ -1,4 +1,4 @@
-"""Which texts can be shown: joined emoji and other scripts can, control characters and what turns text cannot."""
+"""Which texts can be shown: joined emoji and other scripts can, control and text-direction characters cannot."""
 
 import pytest
 

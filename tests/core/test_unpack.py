@@ -1,4 +1,4 @@
-"""Packed files never unpack to more than they may, and arrays are made only where their bytes are there."""
+"""Packed files never unpack beyond their limit, and arrays are made only if all their bytes are present."""
 
 import bz2
 import io
@@ -159,7 +159,7 @@ def test_other_compressions_are_no_xz() -> None:
 
 
 def test_no_reader_unpacks_past_the_helper() -> None:
-    """What others packed is unpacked in one place only; what this process packed itself may be unpacked at once."""
+    """Data from others are unpacked in one place only; data that this process packed may be unpacked directly."""
     root = Path(__file__).resolve().parents[2]
     own = {"ucon/core/untrusted/unpack.py", "ucon/learning/imitation/feeding.py", "ucon/language/store.py"}
     words = (

@@ -1,4 +1,4 @@
-"""Reading files of others: plain files, tensors and arrays are no more than they may be, or one line."""
+"""Reading files from others: plain files, tensors and arrays stay within their limits, or are refused in one line."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Playing environments of choices: choices at random, whole episodes, and homes without the target."""
+"""Helpers to play environments of choices: random choices, whole episodes, and homes without the target."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from ucon.task.episode import Episode
 
 
 def at_random(draw: np.random.Generator) -> Callable[[Any], int]:
-    """Chooses among what is offered."""
+    """Chooses at random among the rows that the mask offers."""
     return lambda obs: int(draw.choice(np.flatnonzero(obs["action_mask"])))
 
 
 def rollout(env: Any, choose: Callable[[Any], int], **options: Any) -> list[Any]:
-    """What reset and all steps of an episode gave."""
+    """Everything that reset and the steps of an episode returned."""
     seen: list[Any] = [env.reset(**options)]
     while len(seen) < 2 or not (seen[-1][2] or seen[-1][3]):
         seen.append(env.step(choose(seen[-1][0])))
@@ -25,7 +25,7 @@ def rollout(env: Any, choose: Callable[[Any], int], **options: Any) -> list[Any]
 
 
 def gone(episode: Episode) -> Episode:
-    """The same home without the target."""
+    """The same episode with the target moved out of the home."""
     objects = list(episode.arrangement.objects)
     objects[episode.target] = replace(objects[episode.target], position=(0.0, 0.0, -50.0))
     return replace(episode, arrangement=replace(episode.arrangement, objects=tuple(objects)))

@@ -1,4 +1,4 @@
-"""Environments on a few stored episodes."""
+"""A few stored episodes for tests of environments."""
 
 from __future__ import annotations
 
@@ -10,5 +10,5 @@ from ucon.task.sets import load_episodes
 
 @pytest.fixture(scope="session")
 def episodes() -> tuple[Episode, ...]:
-    """Every fifth episode of the mini set: both kinds of homes, free and contained targets."""
+    """Every fifth episode of the mini set: both kinds of homes, targets in the open and in containers."""
     return load_episodes("mini")[::5]

@@ -1,4 +1,4 @@
-"""Environments that break a promise, each in one way, as wrappers: ``check-env`` must catch them all."""
+"""Wrappers that each break the contract of an environment in one way; ``check-env`` must catch them all."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ucon.envs.checking.subject import core
 
 
 class Mutant(gym.Wrapper[Any, Any, Any, Any]):
-    """Changes what is told; subclasses say how."""
+    """Base class: subclasses change what goes into or comes out of the environment."""
 
     def reset(self, **given: Any) -> Any:
         self.taken = 0
@@ -42,7 +42,7 @@ class Mutant(gym.Wrapper[Any, Any, Any, Any]):
 
 
 class WorldFrame(Mutant):
-    """Poses are those of the world."""
+    """Poses are in the world frame."""
 
     def tell(self, obs: Any, info: Any) -> Any:
         x, y = core(self).search.xy
@@ -88,7 +88,7 @@ class LeakedSolution(Mutant):
 
 
 class LeakedDistance(Mutant):
-    """How far the target is, under a harmless name."""
+    """The distance to the target is in info, under a harmless name."""
 
     def tell(self, obs: Any, info: Any) -> Any:
         place = np.asarray(core(self).episode.target_object.position)
@@ -96,7 +96,7 @@ class LeakedDistance(Mutant):
 
 
 class Undead(Mutant):
-    """An episode that is over goes on."""
+    """Steps after the end of an episode are accepted."""
 
     def step(self, action: Any) -> Any:
         with suppress(EpisodeError):
@@ -105,63 +105,63 @@ class Undead(Mutant):
 
 
 class SeedsIgnored(Mutant):
-    """Every reset draws anew."""
+    """Every reset draws at random, whatever the seed."""
 
     def asked(self, given: dict[str, Any]) -> dict[str, Any]:
         return given | {"seed": None}
 
 
 class SeedsForgotten(Mutant):
-    """Whatever the seed, the first episode."""
+    """Every seed gives the first episode."""
 
     def asked(self, given: dict[str, Any]) -> dict[str, Any]:
         return given if given.get("options") else given | {"options": {"episode": 0}}
 
 
 class EpisodeIgnored(Mutant):
-    """The episode that was asked for is not played."""
+    """The requested episode is not played."""
 
     def asked(self, given: dict[str, Any]) -> dict[str, Any]:
         return given | {"options": None, "seed": 1}
 
 
 class RewardedFailure(Mutant):
-    """Done pays wherever it is said."""
+    """Done is rewarded wherever it is said."""
 
     def judge(self, reward: Any, terminated: bool, truncated: bool, info: Any) -> Any:
         return (10.0 if terminated else reward), terminated, truncated
 
 
 class UnpaidSuccess(Mutant):
-    """Success pays nothing."""
+    """Success is not rewarded."""
 
     def judge(self, reward: Any, terminated: bool, truncated: bool, info: Any) -> Any:
         return min(reward, -0.01), terminated, truncated
 
 
 class InvertedMask(Mutant):
-    """What may be chosen is masked out."""
+    """Valid choices are masked out."""
 
     def tell(self, obs: Any, info: Any) -> Any:
         return obs | {"action_mask": (1 - obs["action_mask"]).astype(np.int8)}, info
 
 
 class WideMask(Mutant):
-    """Rows that are no choices are offered."""
+    """Rows without a choice are offered."""
 
     def tell(self, obs: Any, info: Any) -> Any:
         return obs | {"action_mask": np.ones_like(obs["action_mask"])}, info
 
 
 class MaskedMoves(Mutant):
-    """Moves that would be blocked are masked: that tells what nobody has seen."""
+    """Moves that would be blocked are masked, which reveals what the agent has not seen."""
 
     def action_masks(self) -> Any:
         return np.array([False] + [True] * 6)
 
 
 class OtherLevel(Mutant):
-    """Habits of another level."""
+    """Habits are those of another level."""
 
     def asked(self, given: dict[str, Any]) -> dict[str, Any]:
         return given | {"options": (given.get("options") or {}) | {"habit_level": "full"}}
@@ -177,7 +177,7 @@ class HabitMaskLate(Mutant):
 
 
 class OtherTarget(Mutant):
-    """Another thing is asked for."""
+    """Info names another target."""
 
     def tell(self, obs: Any, info: Any) -> Any:
         return obs, info | {"target": "mug"}
@@ -199,14 +199,14 @@ class Millimetres(Mutant):
 
 
 class SharedCopies(Mutant):
-    """Copies are not: they move the agent of the original."""
+    """Copies are not independent: they move the original's agent."""
 
     def __deepcopy__(self, memo: Any) -> Any:
         return copy(self)
 
 
 class StiffCopies(Mutant):
-    """Copies begin anew."""
+    """Copies start from the beginning."""
 
     def __deepcopy__(self, memo: Any) -> Any:
         new = type(self)(gym.make("UcON-v0", disable_env_checker=True))
@@ -215,21 +215,21 @@ class StiffCopies(Mutant):
 
 
 class CutEarly(Mutant):
-    """Truncated a step too early."""
+    """Episodes are truncated a step too early."""
 
     def judge(self, reward: Any, terminated: bool, truncated: bool, info: Any) -> Any:
         return reward, terminated, truncated or self.taken == 299
 
 
 class CutNever(Mutant):
-    """The last step ends nothing."""
+    """The last step does not end the episode."""
 
     def judge(self, reward: Any, terminated: bool, truncated: bool, info: Any) -> Any:
         return reward, terminated, False
 
 
 class DoneGoesOn(Mutant):
-    """Done ends nothing."""
+    """Done does not end the episode."""
 
     def judge(self, reward: Any, terminated: bool, truncated: bool, info: Any) -> Any:
         return reward, False, truncated
@@ -245,7 +245,7 @@ class AlwaysSuccess(Mutant):
 
 
 class TurnsCount(Mutant):
-    """The path counts turns too."""
+    """The path length counts turns too."""
 
     def tell(self, obs: Any, info: Any) -> Any:
         if "episode_metrics" in info:
@@ -256,14 +256,14 @@ class TurnsCount(Mutant):
 
 
 class NeverCollides(Mutant):
-    """Nothing is ever in the way."""
+    """Collisions are never reported."""
 
     def tell(self, obs: Any, info: Any) -> Any:
         return obs | {"collision": np.zeros(1, np.int8)}, info
 
 
 class LateAction(Mutant):
-    """The last action is the one before it."""
+    """``last_action`` is one step late."""
 
     def tell(self, obs: Any, info: Any) -> Any:
         before, self.last = (np.zeros(7, np.int8) if self.last is None else self.last), obs["last_action"]
@@ -278,14 +278,14 @@ class StepsFromOne(Mutant):
 
 
 class AnyAction(Mutant):
-    """What is no action is taken for one."""
+    """Invalid actions are accepted."""
 
     def act(self, action: Any) -> Any:
         return action if isinstance(action, int | np.integer) and 0 <= action < self.action_space.n else 1  # type: ignore[attr-defined]
 
 
 class WrongType(Mutant):
-    """Poses are no float32."""
+    """Poses are not float32 arrays."""
 
     def tell(self, obs: Any, info: Any) -> Any:
         return obs | {"pose": obs["pose"].tolist()}, info

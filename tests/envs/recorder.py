@@ -11,7 +11,7 @@ from ucon.envs.ucon_env import UcONEnv
 
 
 class Recorder(gym.Wrapper[Any, int, Any, int]):
-    """``UcON-v0`` that keeps the actions, the rewards, and whether the target was in view, of the last episode."""
+    """``UcON-v0`` that keeps the last episode's actions, rewards, and whether the target was in view."""
 
     env: UcONEnv
 
@@ -36,7 +36,7 @@ class Recorder(gym.Wrapper[Any, int, Any, int]):
 
 
 def recorded(env: UcONSearchEnv) -> Recorder:
-    """Have the environment inside an environment of choices record."""
+    """Put a recorder around the environment inside an environment of choices."""
     inner = Recorder(env.env)
     env.env = inner  # type: ignore[assignment]
     return inner

@@ -1,4 +1,4 @@
-"""A long life of one environment in a process of its own, measured: ``python -m tests.envs.soak UcON-v0 100000 500``.
+"""Measures a long run of one environment in its own process: ``python -m tests.envs.soak UcON-v0 100000 500``.
 
 Prints one line of JSON. Actions are drawn evenly from all but Done, so that every episode goes on for as long as asked;
 in the resident environment they are drawn from all, so that requests end and follow one another.
@@ -25,12 +25,12 @@ from ucon.task.sets import load_episodes
 assert ucon.envs  # which registers them
 
 RESIDENT = "UcONResident-v0"
-#: Parts in which growth is told, so that a leak (even steps) can be told from a cache (steps that end).
+#: Parts in which growth is reported, to tell a leak (which grows steadily) from a cache (which stops growing).
 PARTS = 5
 
 
 def resident_mb() -> float:
-    """Megabytes of this process in memory, after what nobody holds any more has been freed."""
+    """Resident memory of this process in megabytes, after garbage collection."""
     gc.collect()
     return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
 
@@ -40,24 +40,24 @@ def open_files() -> int:
 
 
 def made(name: str) -> tuple[gym.Env[Any, Any], list[dict[str, Any]]]:
-    """The environment, and the options of ``reset`` that lead through all that it ships with."""
+    """The environment, and the options of ``reset`` for each episode or life of its mini set."""
     if name == RESIDENT:
         return gym.make(name, lives="lives_mini"), [{"life": number} for number in range(len(load_lives("lives_mini")))]
     return gym.make(name, detector=True), [{"episode": number} for number in range(len(load_episodes("mini")))]
 
 
 def soak(name: str, steps: int, resets: int) -> dict[str, Any]:
-    """Play.
+    """Play random actions and measure memory and open files.
 
     Args:
         name: of the environment.
-        steps: to take after the warm-up, evenly shared among resets.
-        resets: after the warm-up, which is a fifth of as many, and at least one for each episode or life that there is.
+        steps: number of steps after the warm-up, evenly shared among resets.
+        resets: number of resets after the warm-up, which has a fifth as many, and at least one per episode or life.
 
     Returns:
         ``warm_mb``, ``mb`` (resident megabytes after the warm-up, and after each part of the run), ``warm_files`` and
-        ``files`` (open file descriptors likewise), ``steps`` and ``resets`` that were made, ``homes`` entered, and
-        ``seconds`` of the whole.
+        ``files`` (open file descriptors likewise), the numbers of ``steps``, ``resets`` and ``homes`` entered, and
+        ``seconds`` for the whole.
     """
     began = time.perf_counter()
     env, options = made(name)

@@ -1,8 +1,8 @@
-"""How often orders among the habits sway what ``belief`` takes for the target's place: ``python -m tests.envs.sway``.
+"""How often orders among the habits sway where ``belief`` expects the target: ``python -m tests.envs.sway``.
 
-``python -m tests.envs.sway SET EVERY LEVEL`` reads the habits of every so many episodes of a set, with as many orders
-added as there are sentences that name a place of the target, and without. Prints one line of JSON, of which shares are
-of the episodes whose orders were given to the agent at all.
+``python -m tests.envs.sway SET EVERY LEVEL`` reads the habits of every EVERY-th episode of a set twice: with orders
+added, as many as there are sentences that name a place of the target, and without them. Prints one line of JSON; the
+figures are means over the episodes in which the agent was given any orders.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ucon.task.sets import load_episodes
 
 
 def sent_to(knowledge: Knowledge, first: int) -> set[str]:
-    """Things that the orders send to; ``first``: row of the first order of all."""
+    """Things that the orders send the agent to; rows from ``first`` on are orders."""
     found = set()
     for row in knowledge.rows[knowledge.rows >= first].tolist():
         dataset = knowledge.base.dataset
@@ -33,7 +33,7 @@ def sent_to(knowledge: Knowledge, first: int) -> set[str]:
 
 
 def sway(episodes: Sequence[Episode], level: str) -> dict[str, float]:
-    """Measure, by episode, how orders change the belief over the home's things; the most probable is gone to first."""
+    """Measure how orders change the belief over each home's things; the agent goes to the most probable one first."""
     told, untold, locate = HabitSource(falsehoods=ORDERS, false_share=1.0), HabitSource(), ReadHabits()
     first, values = len(untold.dataset), []
     for episode in episodes:

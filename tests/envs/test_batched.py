@@ -1,4 +1,4 @@
-"""Many homes as one TorchRL environment: the same as its environments one by one, and nothing is copied."""
+"""Many homes as one TorchRL environment: equal to single environments, and images are not copied."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def actions_of(steps: int, *, done: float = 0.0) -> torch.Tensor:
 
 
 def played(env: BatchedUcONEnv, actions: torch.Tensor) -> Any:
-    """A rollout that goes on over the ends of episodes, (SLOTS, steps)."""
+    """A rollout that continues past the ends of episodes, (SLOTS, steps)."""
     turn = iter(actions)
     return env.rollout(len(actions), lambda td: td.set("action", next(turn)), break_when_any_done=False)
 
@@ -49,7 +49,7 @@ def test_torchrl_accepts_it(options: dict[str, Any]) -> None:
     "options", [{}, {"task": "real_robot"}, {"observe": "symbolic", "habit_level": "full"}], ids=str
 )
 def test_a_slot_is_an_environment(options: dict[str, Any]) -> None:
-    """Entry by entry and step by step, over the ends of episodes."""
+    """Compared entry by entry and step by step, past the ends of episodes."""
     actions = actions_of(40, done=0.05)
     seen = played(batched(seed=4, **options), actions)
     assert seen["next", "done"].sum() > SLOTS, "too few ends to show anything"
@@ -86,7 +86,7 @@ def test_a_solution_succeeds_and_a_limit_truncates() -> None:
 
 
 def test_a_seed_decides_the_episodes_of_every_slot() -> None:
-    """Whatever was played before, and whatever the other slots do."""
+    """This holds whatever was played before, and whatever the other slots do."""
     env, actions = batched(observe="symbolic"), actions_of(12, done=0.3)
     env.set_seed(7)
     first = played(env, actions)
@@ -171,7 +171,7 @@ def test_options_whose_results_are_no_tensors_are_refused() -> None:
 
 
 def test_copies_of_an_environment_draw_elsewhere() -> None:
-    """Images of one environment are not written by its copy."""
+    """A copy does not write into the images of the original."""
     env = UcONEnv(EPISODES)
     images = np.zeros((128, 128, 3), np.uint8), np.zeros((128, 128), np.float32)
     env.reset(seed=0)

@@ -1,4 +1,4 @@
-"""``check-env``: our environments keep their promises, and whatever breaks one is caught."""
+"""``check-env``: our environments keep their contract, and every violation is caught."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def test_our_environments_keep_what_the_task_promises(name: str) -> None:
     assert [finding.line() for finding in findings if not finding.ok] == []
 
 
-#: Which check is there for which fault.
+#: The check that catches each fault.
 CAUGHT_BY = {
     "WorldFrame": "frame", "MirroredFrame": "frame", "Degrees": "frame", "LeakedPosition": "secrets",
     "LeakedScene": "secrets", "LeakedSolution": "secrets", "LeakedDistance": "unseen target", "Undead": "after the end",

@@ -1,4 +1,4 @@
-"""Other people's programs on our environments: checkers, vectors, learners and video recorders, the real ones."""
+"""Third-party programs on our environments: checkers, vector environments, learners and video recorders."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from ucon.envs.checking.subject import OURS
 
 assert ucon.envs
 pytestmark = pytest.mark.filterwarnings("ignore")
-#: Symbolic where there is a choice: these are about interfaces, not about images.
+#: Symbolic where possible: these tests are about interfaces, not images.
 SYMBOLIC: dict[str, dict[str, Any]] = {name: {"observe": "symbolic"} for name in OURS if name != "UcONImageGoal-v0"}
 
-#: The column of ``ego`` that says how much of the episode is over.
+#: The column of ``ego`` with the elapsed share of the episode.
 _STEP = 6
 
 
@@ -47,7 +47,7 @@ def test_torchrl_accepts_them(name: str) -> None:
 
 @pytest.mark.parametrize("name", OURS)
 def test_torchrl_accepts_two_side_by_side(name: str) -> None:
-    """The vector that ``GymEnv(name, num_envs=2, ...)`` makes, in one process."""
+    """The vector environment that ``GymEnv(name, num_envs=2, ...)`` makes, in one process."""
     from torchrl.envs import GymWrapper
     from torchrl.envs.utils import check_env_specs
 
@@ -72,7 +72,7 @@ def test_torchrl_goes_on_after_the_end() -> None:
     vector = gym.vector.SyncVectorEnv([make] * 2, autoreset_mode=gym.vector.AutoresetMode.SAME_STEP)
     env = GymWrapper(vector, categorical_action_encoding=True)
     played = env.rollout(8, lambda td: td.set("action", torch.tensor([6, 2])), break_when_any_done=False)
-    assert played["next", "done"][0].all()  # Done ends it, and the next one begins
+    assert played["next", "done"][0].all()  # Done ends the episode, and the next one begins
     assert not played["next", "done"][1].any()
     assert played["step"][0].max() == 0
 
@@ -97,7 +97,7 @@ def test_torchrl_goes_on_after_the_end_of_a_search_by_views() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", OURS)
 def test_torchrl_makes_two_in_processes(name: str) -> None:
-    from torchrl.envs import GymEnv  # its processes know our ids by `ucon:` alone
+    from torchrl.envs import GymEnv  # its processes find our ids only with the prefix `ucon:`
 
     env = GymEnv(f"ucon:{name}", num_envs=2, **options(name))
     try:
@@ -153,14 +153,14 @@ def test_a_masked_policy_is_trained(name: str) -> None:
 
 
 def test_successes_are_counted(tmp_path: Path) -> None:
-    """``info["is_success"]`` is what Stable-Baselines3 counts: here of an agent that says Done where it stands."""
+    """``info["is_success"]`` is what Stable-Baselines3 counts: here for an agent that solves every second episode."""
     sb3 = pytest.importorskip("stable_baselines3", reason="pip install 'ucon-nav[clients]'")
     from stable_baselines3.common.callbacks import EvalCallback
     from stable_baselines3.common.evaluation import evaluate_policy
     from stable_baselines3.common.monitor import Monitor
 
     class Solves:
-        """Half of its episodes it solves, by their stored solutions; else it says Done at once."""
+        """Solves every second episode by its stored solution; in the others it says Done at once."""
 
         def __init__(self, env: Any) -> None:
             self.env, self.plan, self.number = env, iter(()), 0
@@ -205,4 +205,4 @@ def test_recorded_videos_show_what_lies_between_choices(tmp_path: Path) -> None:
     shown = 0
     while video.read()[0]:
         shown += 1
-    assert shown >= steps  # the writer may round the last one off
+    assert shown >= steps  # the writer may drop the last frame by rounding

@@ -1,4 +1,4 @@
-"""Copies and pickles of environments and agents: each goes its own way, and shares what never changes."""
+"""Copies and pickles of environments and agents are independent, but share what never changes."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_a_copy_goes_its_own_way(name: str, level: str, detector: str) -> None:
     last = [first, *on(env, first, half)][-1]
     on(alone, reset(alone, 1, seed=3), half)
     twin, frozen = copy.deepcopy(env), pickle.dumps(env)
-    on(twin, last, half, half + 1)  # elsewhere: nothing of that may show in the others
+    on(twin, last, half, half + 1)  # other actions: they must not affect the others
     again, thawed = copy.deepcopy(env), pickle.loads(frozen)
     right = on(alone, last, half, half)
     assert equal(right, on(env, last, half, half))
@@ -88,7 +88,7 @@ def test_a_copy_is_cheap(name: str, most_ms: float) -> None:
     begun = time.process_time()
     for _ in range(20):
         copy.deepcopy(env)
-    assert (time.process_time() - begun) / 20 * 1000 < 2 * most_ms  # half of it is what a busy machine adds
+    assert (time.process_time() - begun) / 20 * 1000 < 2 * most_ms  # twice the limit, for a busy machine
 
 
 def test_what_is_opened_in_one_stays_shut_in_the_other() -> None:

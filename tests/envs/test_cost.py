@@ -1,6 +1,6 @@
-"""What an environment costs: milliseconds a reset, megabytes, steps a second; and that nothing leaks.
+"""The cost of an environment: milliseconds per reset, megabytes, steps per second; and that nothing leaks.
 
-Times are CPU times of this process, so that a busy machine changes them little.
+Times are CPU times of this process, so a busy machine changes them little.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ on_linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="read
 
 @pytest.fixture(scope="module")
 def many() -> tuple[Episode, ...]:
-    """Twenty episodes in twenty homes, all of which stay cached."""
+    """Twenty episodes, whose homes all stay cached."""
     return load_episodes("mini")[:20]
 
 
@@ -90,7 +90,7 @@ def test_resets_leak_nothing(many: tuple[Episode, ...], world: str, resets: int)
 
 
 def test_steps_a_second(many: tuple[Episode, ...]) -> None:
-    """A loose gate; ``python -m ucon bench`` measures properly."""
+    """Loose bounds; ``python -m ucon bench`` measures properly."""
     figures = bench_environment(many[1:4])
     assert figures["env_pixels_sps"] >= 1500
     assert figures["env_symbolic_sps"] >= 2000

@@ -1,4 +1,4 @@
-"""Episodes end for good: what is over takes no step, what is no action does nothing, figures stay as they were."""
+"""Episodes end for good: no steps after the end, invalid actions do nothing, and figures stay the same."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ucon.task.episode import Episode
 
 
 def played_out(env: gym.Env[Any, Any], *, fails: bool) -> Any:
-    """An episode to its end: a Done at once, or turns (first choices) until it is cut or over."""
+    """Play to the end: Done at once, or turns (in environments of choices, first choices) until it ends."""
     seen = reset(env, 0)
     while not seen.over:
         choices = "action_mask" in seen.obs
@@ -105,7 +105,7 @@ def test_all_frames_between_choices_are_shown() -> None:
 
 
 def test_a_moment_is_drawn_later_as_it_was(episodes: tuple[Episode, ...]) -> None:
-    """Also one from before something was opened."""
+    """This includes moments from before something was opened."""
     env = UcONEnv(episodes, observe="symbolic", render_mode="rgb_array")
     contained = next(e for e in episodes if "5" in e.solution)
     env.reset(options={"episode": contained})

@@ -1,4 +1,4 @@
-"""The explorer that carries out choices: when it walks, looks around, opens, asks again and takes the target."""
+"""The explorer carries out choices: when it walks, looks around, opens, asks again and takes the target."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from ucon.task.episode import Episode
 
 @dataclass
 class Played:
-    """One episode: all actions, where each was taken, and what was chosen before which action."""
+    """One episode: all actions, the view before each, and the decisions by the number of the next action."""
 
     explorer: Explorer
     actions: list[Action] = field(default_factory=list)
@@ -38,7 +38,7 @@ class Played:
 
 
 def play(env: Any, make: Callable[[Any], Any], manner: Manner, start: Any = None, seed: int = 0) -> Played:
-    """Choose at random until the end; nothing is asked for the walk that was not seen."""
+    """Choose at random until the end of the episode."""
     obs, info = env.reset(options=start) if start else env.reset()
     explorer = Explorer(info, make(info), manner, seed)
     out, draw, over = Played(explorer), np.random.default_rng(seed), False
@@ -74,7 +74,7 @@ def in_homes(
 
 
 def arrivals(played: Played) -> list[tuple[int, int, View]]:
-    """For each walk that was finished: the first action after it, the next choice (or the end), the goal."""
+    """For each finished walk: the action at which it arrives, that of the next choice (or the end), and the goal."""
     marks = [*played.chosen, played.taking_from if played.taking_from >= 0 else len(played.actions)]
     out = []
     for first, last in pairwise(marks):
@@ -88,7 +88,7 @@ def arrivals(played: Played) -> list[tuple[int, int, View]]:
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_the_first_step_is_the_plans(strategy: str, episodes: tuple[Episode, ...]) -> None:
-    """What was planned is what is done, a step ahead at the very start as well."""
+    """The plan is carried out from its first action on, also if that is a step ahead."""
     ahead = 0
     for played in in_homes(episodes, STRATEGIES[strategy], Manner()):
         assert played.collisions == 0
@@ -134,7 +134,7 @@ def test_it_opens_on_arrival_once_a_pose(episodes: tuple[Episode, ...]) -> None:
 
 
 def test_opening_shows_what_is_inside() -> None:
-    """The cup is in the cupboard: who opens it finds it, who does not cannot."""
+    """The cup is in the cupboard, so only an explorer that opens it can find it."""
     assert play(toy("coffee_cup"), STRATEGIES["landmarks"], Manner()).info["success"]
     assert play(toy("coffee_cup"), STRATEGIES["landmarks"], Manner(opens=False)).seen_from < 0
 
@@ -166,7 +166,7 @@ def test_a_new_choice_is_due_after_so_many_steps(steps: int, episodes: tuple[Epi
             if candidate.cost > steps:
                 assert last - first == steps
                 early += 1
-            elif candidate.cost == steps:  # it arrives with the last step, and looks around
+            elif candidate.cost == steps:  # it arrives on the last step, and looks around
                 assert played.views[first + steps] == candidate.view
                 assert last - first >= steps + 3
                 whole += 1
@@ -198,7 +198,7 @@ def test_what_ends_the_search(interrupt: Interrupt, episodes: tuple[Episode, ...
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_it_does_without_the_true_free_space(strategy: str, episodes: tuple[Episode, ...]) -> None:
-    """What is not known to be blocked is tried; a bump is remembered and walked around."""
+    """Cells not known to be blocked are tried; a collision is remembered and walked around."""
     for played in in_homes(episodes, STRATEGIES[strategy], Manner(), planner="observed"):
         assert len({(view.i, view.j) for view in played.views}) > 20 or played.info["episode_metrics"]["success"]
         metrics = played.info["episode_metrics"]

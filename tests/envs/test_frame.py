@@ -1,4 +1,4 @@
-"""The agent's frame turns grid and poses alike."""
+"""The agent's frame rotates the grid and poses in the same way."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Image goals: one is shown what stands at the goal, is paid for coming closer, and succeeds there alone."""
+"""Image goals: the agent gets the view from the goal, a reward for coming closer, and succeeds only there."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def turn(env: UcONImageGoalEnv, heading: int) -> list[tuple[Any, ...]]:
 
 
 def walk(env: UcONImageGoalEnv) -> list[tuple[Any, ...]]:
-    """The shortest way to the goal, looking there as the image does."""
+    """Walk the shortest way to the goal and turn to the heading of its image."""
     goal, free, steps = (env.goal.i, env.goal.j), env.env.search.world.free, []
     here = env.env.search.pose
     nodes = path(distances(free, [goal]), (here.i, here.j))
@@ -111,7 +111,7 @@ def test_it_is_an_environment_of_gymnasium() -> None:
 
 
 def both_towers(folder: Path) -> Path:
-    """A tiny random CLIP of 24 numbers in one folder, with its tokenizer."""
+    """A tiny random CLIP with embeddings of 24 numbers, both towers and the tokenizer in one folder."""
     clip(folder, width=24)
     text = transformers.CLIPTextModelWithProjection.from_pretrained(folder).config
     vision = transformers.CLIPVisionConfig(
@@ -146,7 +146,7 @@ def test_zson_looks_for_the_image_in_the_space_of_names(tmp_path: Path) -> None:
 
 
 class GoalReader(TinyPolicy):
-    """The tiny policy, told how bright what it looks for is in place of the number of habits."""
+    """The tiny policy, given the brightness of the goal image instead of the number of habits."""
 
     reads_goal_images = True
 

@@ -1,4 +1,4 @@
-"""``world="live"``: PyBullet in the loop gives the same records as the compiled home."""
+"""``world="live"``: stepping PyBullet gives the same records as the compiled home."""
 
 from __future__ import annotations
 

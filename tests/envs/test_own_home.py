@@ -1,4 +1,4 @@
-"""Searches in homes of one's own, from Python."""
+"""Searches in the user's own homes, from Python."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def test_a_file_is_a_set_that_is_made_once(tmp_path: Path, cache: Path, monkeypa
         assert {"mug/own", "first_aid_kit/own"} <= set(episode.entries)
         assert episode.habits_hash == made.dataset.sha256
     own_home._made.cache_clear()
-    monkeypatch.setattr(own_home, "build", None)  # what is kept is read
+    monkeypatch.setattr(own_home, "build", None)  # the kept set is read, not built
     again = own_set(file)
     assert (again.name, again.episodes, again.dataset.sha256) == (made.name, made.episodes, made.dataset.sha256)
     assert str(tmp_path) not in str([episode.to_json() for episode in made.episodes])

@@ -1,4 +1,4 @@
-"""Before episodes are played, every text that a retriever will want has been encoded and kept on disk."""
+"""Every text that a retriever needs is encoded and kept on disk before episodes are played."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from ucon.task.sets import load_episodes
 
 
 class Counting:
-    """An encoder of word counts that counts what it is asked for."""
+    """An encoder of letter counts that notes the texts it is given."""
 
     name, dim = "counting", 8
 

@@ -1,4 +1,4 @@
-"""``task=real_robot`` as an environment: what it tells, refuses, repeats, and shows."""
+"""``task=real_robot`` as an environment: observations, refusals, reproducibility and rendering."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def made(**options: Any) -> UcONEnv:
 
 
 def exact(**options: Any) -> UcONEnv:
-    """For ``check-env``."""
+    """The environment for ``check-env``, with an exact robot."""
     return made(**{"rig": EXACT, "observe": "pixels", "habit_level": "retrieval"} | options)
 
 
@@ -147,7 +147,7 @@ def test_path_lengths_are_metres_moved_and_distances_fall_on_the_way() -> None:
 
 
 def test_pybullet_in_the_loop_walks_the_same_way() -> None:
-    """Within 2 cm over 40 steps: an error of each contact of up to 5 mm."""
+    """Within 2 cm over 40 steps, since each contact may add an error of up to 5 mm."""
     for number in (1, 3):
         apart, flags = [], []
         compiled, live = made(rig=EXACT), made(rig=EXACT, world="live")

@@ -1,4 +1,4 @@
-"""UcONSearch-v0: contract, equality with the agent that chooses by gain over cost, and nothing privileged."""
+"""UcONSearch-v0: contract, equality with the agent that chooses by gain over cost, no privileged information."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def test_episodes_are_worth_what_the_returns_say_and_replay_alike(episodes: tupl
 
 
 def test_views_are_told_as_they_are(episodes: tuple[Episode, ...]) -> None:
-    """Rows and mask are those of the choices, best first but for the one on its way; beyond them all is zero."""
+    """Rows and mask match the choices, best first except for the view it is on its way to; the rest is zero."""
     env, asked = UcONSearchEnv(episodes), 0
     obs, _ = env.reset(options={"episode": 1})
     choose, over = at_random(np.random.default_rng(0)), False
@@ -131,7 +131,7 @@ def test_an_invalid_choice_costs_one_step(episodes: tuple[Episode, ...]) -> None
 
 
 def test_nothing_privileged_is_given(episodes: tuple[Episode, ...]) -> None:
-    """With the target taken out of the world, all is the same until the target would have come into view."""
+    """Without the target in the world, everything is the same until the target would have come into view."""
     envs = [UcONSearchEnv(episodes, habit_level="full") for _ in range(2)]
     inner, compared = [recorded(env) for env in envs], 0
     for episode in episodes[::3]:

@@ -1,4 +1,4 @@
-"""An environment that is played for long takes no more memory and no more files than one that has just warmed up."""
+"""A long-running environment takes no more memory and files than one that has just warmed up."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
 
-#: The catalogue's bar on growth of resident memory, as a share of what the warm process takes.
+#: Limit on the growth of resident memory, as a share of the warm process's memory.
 MOST_GROWTH = 0.02
 
 

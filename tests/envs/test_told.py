@@ -1,4 +1,4 @@
-"""False sentences among the habits, and edits of single sentences: what is told, what is refused."""
+"""False sentences among the habits, and edits of single sentences: what agents are given, what is refused."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The map for people: the same way up as the agent's own."""
+"""The rendered map has the same orientation as the agent's own."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ PX = 384
 
 
 def middle(image: np.ndarray, color: tuple[int, int, int]) -> np.ndarray:
-    """Column and row of what has a colour, the legend left out."""
+    """Mean column and row of the pixels of a colour, without the legend."""
     rows, columns = np.nonzero((image[: PX - 18] == color).all(2))
     return np.array([columns.mean(), rows.mean()])
 

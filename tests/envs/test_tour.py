@@ -1,4 +1,4 @@
-"""A walk through the home before the search: it shows the home, never the target, and disturbs nothing."""
+"""A tour of the home before the search: it shows the home, never the target, and changes nothing in the search."""
 
 from __future__ import annotations
 

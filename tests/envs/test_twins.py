@@ -1,4 +1,4 @@
-"""Twins: the same search for targets that lie elsewhere."""
+"""Twins: one search scored for targets at other places."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ EPISODES = load_episodes("mini")
 
 
 def searched(env: TwinSearchEnv, episode: int) -> tuple[float, list[float], bool]:
-    """An episode by gain over cost: sum of rewards, what was left after each step, and whether the target was named."""
+    """Play by gain over cost: sum of rewards, probability left after each step, and whether the target was found."""
     observation, _ = env.reset(options={"episode": episode})
     total, left, named, over = 0.0, [env.twins.left], False, False
     while not over:
@@ -62,7 +62,7 @@ def test_the_target_itself_is_hidden() -> None:
 
 @pytest.mark.slow
 def test_expectation_and_episodes_agree_in_the_mean(env: TwinSearchEnv) -> None:
-    """SPL of 24 episodes with their true targets beside what the twins expect; both are means of the same thing."""
+    """The mean SPL with the true targets agrees with the mean that the twins expect, up to sampling error."""
     true = UcONSearchEnv(EPISODES, habit_level="retrieval")
     spl, expected = [], []
     for episode in range(len(EPISODES)):
@@ -89,7 +89,7 @@ def test_what_lies_beyond_views_is_what_a_walk_there_and_on_would_reach(env: Twi
         assert beyond.shape == (32, len(MOVES))
         assert not beyond[offered:].any()
         ways = moves_to(env._tokens.arrays["views"])[:offered]  # type: ignore[union-attr]
-        # Whoever stands k moves nearer finds at least what was within k fewer moves from here.
+        # From a view k moves away, at least everything within k fewer moves from here can be reached.
         for row, far in zip(beyond[:offered], ways, strict=True):
             assert row[-1] >= float(twins.within([view], [int(MOVES[-1] - np.ceil(far))])[0, 0]) - 1e-6
 

@@ -1,4 +1,4 @@
-"""UcON-v0 through the Gymnasium API: contract, determinism, and no privileged fact in what an agent gets."""
+"""UcON-v0 through the Gymnasium API: contract, determinism, and no privileged information for the agent."""
 
 from __future__ import annotations
 
@@ -175,7 +175,7 @@ def test_a_stated_context_tells_when_and_who_and_no_place() -> None:
 
 
 def test_observation_does_not_depend_on_where_the_target_is(episodes: tuple[Episode, ...]) -> None:
-    """Another target placed in the same arrangement changes nothing but the target and what is told about it."""
+    """Another target in the same arrangement changes only the name of the target."""
     first = episodes[0]
     others = [k for k, origin in enumerate(first.placed_by) if origin[0] and k != first.target]
     env = UcONEnv(episodes, habit_level="full", detector=True)
@@ -189,7 +189,7 @@ def test_observation_does_not_depend_on_where_the_target_is(episodes: tuple[Epis
 
 @pytest.mark.parametrize("level", ["none", "full", "context"])
 def test_an_unseen_target_leaves_no_trace(level: str, episodes: tuple[Episode, ...]) -> None:
-    """With the target taken out of the world, all that an agent gets before it would see the target is the same."""
+    """Without the target in the world, the agent gets the same data until it would see the target."""
     envs = [UcONEnv(episodes, habit_level=level, detector=True) for _ in range(2)]
     steps = 0
     for episode in episodes:
@@ -252,7 +252,7 @@ def test_render_shows_frame_and_map(episodes: tuple[Episode, ...]) -> None:
 
 
 def test_other_sizes_judge_by_the_same_view(episodes: tuple[Episode, ...]) -> None:
-    """What is visible is decided at 128 x 128, whatever the observation."""
+    """Visibility is decided at 128 x 128, whatever the size of the observation."""
     envs = [UcONEnv(episodes, width_px=w, height_px=h, detector=True) for w, h in ((128, 128), (64, 48), (200, 160))]
     seen = []
     for env in envs:
@@ -314,7 +314,7 @@ print("fine")
 
 
 def test_an_episode_is_found_by_its_name(episodes: tuple[Episode, ...]) -> None:
-    """Whoever spells it: a name that was put together is the same name."""
+    """Names are compared by value: a newly built string finds the episode too."""
     env = UcONEnv(episodes)
     for episode in episodes[:3]:
         spelled = "".join(list(episode.id))

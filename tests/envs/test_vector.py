@@ -1,4 +1,4 @@
-"""Vector environments of Gymnasium, side by side in one process and in processes of their own."""
+"""Gymnasium's vector environments, in one process and in several."""
 
 from __future__ import annotations
 

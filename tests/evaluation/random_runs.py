@@ -1,4 +1,4 @@
-"""A run of an agent that acts at random on six episodes, for tests of the runner."""
+"""A run of a random agent on six episodes, for tests of the runner."""
 
 from __future__ import annotations
 
@@ -25,5 +25,5 @@ def random_run() -> RunSpec:
 
 
 def lines(played: Iterable[PlayedEpisode]) -> str:
-    """The records by episode, as they are written."""
+    """The records as written, sorted by episode."""
     return to_lines(p.record for p in sorted(played, key=lambda p: p.record.episode))

@@ -1,4 +1,4 @@
-"""Records made by hand for tests of what reads them."""
+"""Records made by hand, for tests of their readers."""
 
 import json
 from collections.abc import Sequence
@@ -45,7 +45,7 @@ BASE = EpisodeRecord(
 
 
 def record(number: int, *, success: bool = True, **changes: Any) -> EpisodeRecord:
-    """A record that does not contradict itself, but where ``changes`` say so."""
+    """A consistent record, except where ``changes`` make it inconsistent."""
     if not success:
         failed = {"spl": 0.0, "soft_spl": 0.1, "failure_cause": "never_seen", "first_seen_step": -1, "steps": 300}
         changes = {"success": False, **failed, **changes}
@@ -74,7 +74,7 @@ def store(
 
 
 def reseal(folder: Path, **changes: Any) -> None:
-    """Give a folder whose files were changed by a test the checksums that they have now."""
+    """Update the checksums of a folder after a test has changed its files."""
     for name, parts in SEALED.items():
         said = {k: v for k, v in json.loads((folder / name).read_text()).items() if k not in ("files", "checksum")}
         content = {part: data for part in parts if (data := read_file(folder, part)) is not None}

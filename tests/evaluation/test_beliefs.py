@@ -1,4 +1,4 @@
-"""Measuring beliefs: exact figures, and the alarm."""
+"""Measuring beliefs: exact figures, and the alarm for readers that know too much."""
 
 from functools import partial
 from types import SimpleNamespace
@@ -23,7 +23,7 @@ def kbs():
 
 
 class Cheat:
-    """Knows more than the distribution: the place itself."""
+    """A reader that is given the true distribution and sharpens it."""
 
     def __init__(self, kb):
         self.kb = kb
@@ -87,7 +87,7 @@ def test_calibration_error_by_hand():
 
 
 def test_hits_are_counted_up_to_the_one_named():
-    """Seven places, the truth spread over the first, the fifth and the sixth best."""
+    """Seven places, with the truth spread over the places ranked first, fifth and sixth."""
     y = np.zeros((7, 4))
     y[0, 0], y[4, 0], y[5, 0] = 0.5, 0.3, 0.2
     found = scores(np.linspace(0.4, 0.1, 7), np.full((7, 4), 0.25), y)

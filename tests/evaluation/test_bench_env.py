@@ -1,4 +1,4 @@
-"""The bench counts the steps that are played."""
+"""The benchmark counts the steps that are really played."""
 
 from __future__ import annotations
 

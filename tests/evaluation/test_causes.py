@@ -1,4 +1,4 @@
-"""Causes by counterfactual: what sentences are about, what counts, and the command that plays them."""
+"""Causes by counterfactuals: what sentences are about, which count as causes, and the command that plays them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ SOURCE = HabitSource()
 
 
 def one(number: int, with_it: tuple[bool, float], without: tuple[bool, float], **changes: Any) -> Tried:
-    """A sentence of episode ``number`` with success and SPL with it and without it."""
+    """A sentence of episode ``number``, with success and SPL when it is told and when it is not."""
     values = {
         "episode": f"e{number}", "scene": "Rs_int", "target": "mug", "habit": "h", "row": 0, "about": "target",
         "thing": "mug", "rank": 1, "weight": 0.5, "changes": True, "steps": (30, 40),
@@ -42,7 +42,7 @@ def one(number: int, with_it: tuple[bool, float], without: tuple[bool, float], *
 
 
 def test_what_sentences_are_about() -> None:
-    """A sentence is about a thing beside the target if the episode put that thing there."""
+    """A sentence is about a thing beside the target only if the episode put that thing there."""
     dataset, kinds = book(), {}
     for episode in EPISODES:
         for row in SOURCE.knowledge(episode, "retrieval").rows.tolist():
@@ -69,7 +69,7 @@ def test_what_sentences_are_about() -> None:
 
 def test_a_sentence_weighs_what_the_belief_moves_without_it() -> None:
     def locate(info: dict[str, Any]) -> Locations:
-        """A tenth at ``a`` for each sentence that says so."""
+        """A probability of a tenth at ``a`` for each sentence that contains "a"."""
         share = 0.1 * sum("a" in habit for habit in info["habits"])
         return Locations(("a", "b"), np.array([[share, 0, 0, 0], [0.5, 0, 0, 0]]))
 

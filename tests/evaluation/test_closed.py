@@ -1,4 +1,4 @@
-"""Distance closed, and what carries over: by hand on few records, and their intervals on many."""
+"""Distance closed and carry-over: by hand on few records, and their intervals on many."""
 
 from __future__ import annotations
 
@@ -47,16 +47,16 @@ def test_no_way_is_no_number_and_no_common_episode_an_error() -> None:
     found = distance_closed(start, start, start)
     assert all(np.isnan(share.mean) for share in found.values())
     worse = distance_closed(start, played([True, True], contained=False), start)
-    assert all(np.isnan(share.mean) for share in worse.values())  # no way leads down
+    assert all(np.isnan(share.mean) for share in worse.values())  # no distance to close
     with pytest.raises(ConfigError, match="common episode"):
         distance_closed(start, [replace(r, episode=f"other {r.episode}") for r in start], start)
 
 
 def test_draws_without_a_way_say_nothing() -> None:
-    """One episode of four is between start and goal; about three draws in ten lack it, and have no share to give.
+    """Only one episode of four differs between start and goal; the three draws in ten without it have no share.
 
-    Wherever it is drawn the run has come half of the way, so that is the whole interval; what the run gains elsewhere
-    makes draws without it infinite, and those do not count either.
+    In all other draws the run has closed half of the distance, so the interval is that one value. Gains of the run in
+    other episodes make the draws without it infinite, and those do not count either.
     """
     goal = [record(0), record(1, success=False), record(2, success=False), record(3, success=False)]
     start = [replace(r, success=False, spl=0.0, success_150=False) for r in goal]
@@ -82,7 +82,7 @@ def test_no_way_and_no_episodes_give_no_number_and_no_warning() -> None:
 
 @pytest.mark.parametrize("samples", [40, pytest.param(200, marks=pytest.mark.slow)])
 def test_intervals_hold_what_they_say(samples: int) -> None:
-    """About 95 % of the intervals hold the true share, 0.5."""
+    """About 95 % of the intervals contain the true share, 0.5."""
     rng, held = np.random.default_rng(0), 0
     for _ in range(samples):
         hard = rng.random(120)

@@ -1,4 +1,4 @@
-"""Workers and the company in an agent's process: searchers act the same, and failures reach the user."""
+"""Workers and other episodes in the same process do not change searchers, and failures reach the user."""
 
 import os
 from dataclasses import replace

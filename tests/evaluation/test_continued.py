@@ -1,4 +1,4 @@
-"""A run that was interrupted and continued leaves the bytes of one that was not, but for its seconds."""
+"""A run that was interrupted and continued leaves the same bytes as one that was not, except for its seconds."""
 
 import shutil
 
@@ -21,7 +21,7 @@ def play(out, workers=0):
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """The folder of a run without interruption, moved away; beside it its partial file as it was at the end."""
+    """The moved folder of an uninterrupted run; next to it, its partial file as it was at the end."""
     base, patch = tmp_path_factory.mktemp("continued"), pytest.MonkeyPatch()
     finish = RunFolder.finish
 

@@ -1,4 +1,4 @@
-"""Choices on disk: the same bytes however they were made, kept over an interruption, and their figures."""
+"""Choices on disk: the same bytes however the run was played, kept across interruptions, and their figures."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def test_an_interrupted_run_keeps_the_choices_of_what_was_finished(played: list[
     for one in (played[2], played[0]):
         first.add(one)
     partial_file = tmp_path / "cut" / PARTIAL
-    partial_file.write_text(partial_file.read_text() + '{"index": 1, "record"')  # cut off in mid-write
+    partial_file.write_text(partial_file.read_text() + '{"index": 1, "record"')  # cut off while being written
     again = RunFolder(tmp_path / "cut", HASHES)
     done = again.open(ids(played))
     assert done == {k: played[k] for k in (0, 2)}
@@ -179,7 +179,7 @@ def asked(**changes: object) -> DecisionRecord:
 
 
 def test_figures_of_choices_by_hand() -> None:
-    """Two episodes, four choices, of which two asked: three questions in all, one of them in vain."""
+    """Two episodes with four choices; two of them asked three questions in all, and one of the two got no answer."""
     decisions = [
         asked(),
         asked(asked=1, prompt_tokens=10, completion_tokens=2, seconds=0.5),

@@ -1,4 +1,4 @@
-"""Why a search was lost, in one line, for every cause there is."""
+"""Why a search failed, in one line, for every cause."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every policy that is shipped, filmed as ``eval.py pictures=1`` films it: what it thinks is on its videos."""
+"""Every shipped policy, filmed as by ``eval.py pictures=1``: the videos show what it thinks."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ AGENTS = [
 
 
 def played(name: str, level: str, folder: Path | None) -> PlayedEpisode:
-    """The first steps of an episode of a small home, by the agent as it is configured."""
+    """Play the first steps of an episode in a small home with the agent as it is configured."""
     config = config_of(name, f"habit_level={level}")
     episode = min(load_episodes("mini"), key=lambda e: (len(e.arrangement.objects), e.shortest_path_m < 4, e.id))
     env = Factory(config["env"] | {"task": BRIEF.name}, {"episodes": [episode]})
@@ -38,7 +38,7 @@ def played(name: str, level: str, folder: Path | None) -> PlayedEpisode:
 
 
 def thoughts(folder: Path) -> list[NDArray[np.uint8]]:
-    """What is beside camera and map in each frame of the only film of a folder, (384, 384, 3)."""
+    """The panel next to camera and map in each frame of a folder's only film, (384, 384, 3)."""
     (film,) = folder.glob("*.webm")
     video, frames = cv2.VideoCapture(str(film)), []
     while (read := video.read())[0]:
@@ -48,7 +48,7 @@ def thoughts(folder: Path) -> list[NDArray[np.uint8]]:
 
 
 def ink(page: NDArray[np.uint8]) -> int:
-    """Dark pixels of the text below the map."""
+    """Number of dark pixels in the text below the map."""
     return int((page[int(0.68 * SIDE) :].max(2) < 160).sum())
 
 
@@ -62,9 +62,9 @@ def test_a_film_shows_what_it_thinks(name: str, tmp_path: Path, monkeypatch: pyt
     assert np.abs(first - last).max(2)[: SIDE // 2].mean() > 1  # its map grows
     blue = (last[..., 2] > last[..., 0] + 60) & (last[..., 2] > 150)
     assert blue.sum() > 20  # where it goes
-    assert ink(pages[0]) > ink(without[0]) + 300  # which habits speak for that
+    assert ink(pages[0]) > ink(without[0]) + 300  # which habits support that
     assert untold.record.n_habits == 0
-    assert played(name, "gt", None).record == told.record  # who is filmed plays no other way
+    assert played(name, "gt", None).record == told.record  # filming does not change play
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""One flipped bit anywhere in a run's folder: an error in one line, or nothing that anybody reads is different."""
+"""One flipped bit anywhere in a run's folder is an error in one line, or changes nothing that is read."""
 
 import contextlib
 import io
@@ -25,7 +25,7 @@ FILES = sorted({name for part in SEALED.items() for name in (part[0], *part[1])}
 
 
 def played(number):
-    """One with two choices, of which a model was asked."""
+    """An episode with two choices for which a model was asked."""
     one = made_up(number, success=number % 3 != 0)
     choice = DecisionRecord(one.record.episode, 0, 3, "view", ("vorn", "zurück"), 1, (0.5, 0.25), asked=2, seconds=0.5)
     made = (choice, replace(choice, number=1, seconds=0.25))
@@ -42,7 +42,7 @@ def run(tmp_path_factory):
 
 
 def bits(size: int, name: str) -> list[int]:
-    """Some hundred places in a file, the first and the last byte among them."""
+    """Up to 64 bits of a file, including its first and last byte."""
     drawn = stream(0, "flipped", name).integers(8 * size, size=60)
     return sorted({0, 7, 8 * size - 1, 8 * size - 8, *map(int, drawn)})
 
@@ -136,4 +136,4 @@ def test_reading_a_thousand_episodes_takes_no_time(tmp_path):
         begun = process_time()
         RunFolder(folder, {}).open([f"e{n}" for n in range(1000)])
         spent.append(process_time() - begun)
-    assert np.min(spent) < 0.4  # with the timing of each; some 0.1 on an idle core
+    assert np.min(spent) < 0.4  # with the timing of each; about 0.1 on an idle core

@@ -78,7 +78,7 @@ def test_seconds_of_interrupted_calls_are_added_up(tmp_path, monkeypatch):
         folder.open(IDS)
         now += elapsed
         folder.add(played(number))
-        now += 1000.0  # it hangs, and is killed
+        now += 1000.0  # it hangs and is killed
     again = RunFolder(tmp_path, HASHES)
     again.open(IDS)
     now += 2.0
@@ -93,7 +93,7 @@ def whole_line(number, seconds, first=FIRST):
 
 
 def lines_of(value, number=0):
-    """A line as it should be, but for what ``value`` says otherwise."""
+    """A correct line, except for the changes in ``value``."""
     line = json.loads(whole_line(number, 1.0).partition(b" ")[2])
     return line_of({**line, **value}, FIRST)
 
@@ -159,7 +159,7 @@ def test_every_place_where_a_write_was_cut_off(tmp_path):
 
 @pytest.mark.parametrize("name", ["config.yaml", "episodes.jsonl", "episodes.jsonl.xz"])
 def test_what_is_no_evaluation_that_could_go_on_is_not_overwritten(tmp_path, name):
-    """An unfinished training run has a configuration, kept episodes may have lost their summary."""
+    """An unfinished training run has a configuration, and kept episodes may have lost their summary."""
     (tmp_path / name).write_text("mine")
     with pytest.raises(ConfigError, match=rf"{name} belongs to another run and would be overwritten"):
         RunFolder(tmp_path, HASHES).open(IDS)

@@ -1,4 +1,4 @@
-"""``eval.py`` without room left, as a user has it: one line, finished episodes kept, and the rest played afterwards."""
+"""``eval.py`` on a full disk, as a user runs it: one line, finished episodes are kept, the rest is played later."""
 
 import os
 import subprocess
@@ -15,7 +15,7 @@ pytestmark = [
 
 
 def evaluate(out, most_bytes: int | None = None) -> subprocess.CompletedProcess[str]:
-    """Eight episodes; no file of the process may grow beyond ``most_bytes``, as on a full disk."""
+    """Evaluate eight episodes; no file of the process may grow beyond ``most_bytes``, as on a full disk."""
 
     def limit() -> None:
         import resource

@@ -1,7 +1,7 @@
-"""Twenty episodes whose figures and records are written down here: whatever changes one of them is noticed at once.
+"""Twenty episodes whose figures and records are fixed here, so that any change to them is noticed at once.
 
-The agents ask no network, so that the bytes are the same on every processor. Where a change is meant, the new digest is
-put here together with the tables that change with it.
+The agents use no networks, so the bytes are the same on every processor. If a change is intended, update the digest
+here together with the tables that change with it.
 """
 
 from __future__ import annotations

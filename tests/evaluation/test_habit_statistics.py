@@ -1,4 +1,4 @@
-"""Habit statistics: definitions on small datasets, the study's figures, the bars that the book must clear."""
+"""Habit statistics: definitions on small datasets, the study's figures, and the limits that the book must meet."""
 
 import sys
 from dataclasses import replace
@@ -21,7 +21,7 @@ RELEASE = Path(__file__).resolve().parents[2] / "../shared/official_release/task
 
 
 def small(labelled: bool = True) -> HabitDataset:
-    """Two entries that disagree about the mug wholly, and a third that shares one anchor with the first."""
+    """Two entries that disagree entirely about the mug, and a third that shares one anchor with the first."""
     desk, sink, bed = (
         Placement("ontop", "desk"),
         Placement("nextto", "sink"),
@@ -94,7 +94,7 @@ def test_near_duplicates_count_the_later_one():
 
 
 class TestBook:
-    """Bars: what the project promises of its data."""
+    """Limits: what the project promises about its data."""
 
     def test_text(self):
         figures = text_statistics(book())
@@ -146,7 +146,7 @@ def test_the_release_measures_as_in_the_study_of_it():
 
 @pytest.fixture(scope="module")
 def measured() -> Measures:
-    """Everything about a part of the book that takes a moment to measure."""
+    """All measures of a small part of the book."""
     return measure(replace(book(), name="part", entries=book().entries[::40]), scenes=("Rs_int",))
 
 

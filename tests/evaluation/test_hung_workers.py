@@ -1,4 +1,4 @@
-"""Workers that stop answering or die: real processes that do it themselves, once or always, or in mid-message."""
+"""Workers that stop answering or die: real processes stop or kill themselves, once, always, or in mid-message."""
 
 import math
 import os
@@ -41,7 +41,7 @@ class Stops(RandomAgent):
 
 
 class StopsInMessage(RandomAgent):
-    """Once, it leaves half a message in the pipe and stops."""
+    """Stops once, leaving half a message in the pipe."""
 
     def __init__(self, folder: Path) -> None:
         super().__init__(seed=4, done_probability=0.05)
@@ -54,7 +54,7 @@ class StopsInMessage(RandomAgent):
             frame = sys._getframe()
             while "sender" not in frame.f_locals:
                 frame = frame.f_back
-            os.write(frame.f_locals["sender"].fileno(), b"\x10\x00\x00\x00half")  # 256 MB are to come, and do not
+            os.write(frame.f_locals["sender"].fileno(), b"\x10\x00\x00\x00half")  # announces 256 MB that never come
             os.kill(os.getpid(), signal.SIGSTOP)
 
 
@@ -74,7 +74,7 @@ def alone() -> str:
 
 @pytest.fixture
 def impatient(monkeypatch):
-    """One second for a process that stands still, and for one that is only slow on a busy machine all the time."""
+    """A limit of one second for a stopped process, and no limit for one that is only slow on a busy machine."""
 
     def limit(crew: WorkerPool, worker) -> float:
         stat = Path(f"/proc/{worker.process.pid}/stat")

@@ -14,7 +14,7 @@ from ucon.scenes import home_spec
 
 
 def rows(page, heading):
-    """Cells of the table that starts with ``heading``, by first column."""
+    """The cells of the table that starts with ``heading``, by first column."""
     table = next(t for t in page.split("\n\n") if t.startswith(f"| {heading} |"))
     return {cells[0]: cells[1:] for line in table.splitlines() for cells in [line.strip("| ").split(" | ")]}
 
@@ -39,7 +39,7 @@ def test_tables_say_what_the_records_say():
     runs = rows(page, "agent, habits")
     assert runs["belief, retrieval"][0] == "8"
     assert runs["belief, none"][1].startswith("50.0 [")
-    assert runs["belief, none"][-1] == "0.0"  # SR of contained targets, all in the home where it failed
+    assert runs["belief, none"][-1] == "0.0"  # SR of contained targets, all of which are in the home where it failed
     difference = rows(page, "paired difference")["(belief, retrieval) - (belief, none)"]
     assert difference[0] == "8"
     assert difference[1].startswith("+0.250")

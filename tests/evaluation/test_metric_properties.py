@@ -1,4 +1,4 @@
-"""SPL of any records: its bounds, whatever their order, and never more for a longer way."""
+"""SPL of random records: its bounds, no effect of their order, and never more for a longer path."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ RUNS = 200
 
 
 def drawn(number: int) -> list[EpisodeRecord]:
-    """Records of a run of 1 to 40 episodes, drawn by its number: any share of successes, ways of 0 to 50 m."""
+    """A random run's records, by its number: 1 to 40 episodes, any share of successes, paths of 0 to 50 m."""
     rng = stream(number, "records")
     share, found = rng.random(), []
     for k in range(int(rng.integers(1, 41))):
@@ -48,7 +48,7 @@ def test_of_any_run(number: int) -> None:
 
 
 def test_one_episode() -> None:
-    """Over a grid of ways: 0 for a failure, 1 for the shortest way or a shorter one, and falling as the way grows."""
+    """SPL is 0 for a failure, 1 up to the shortest path, and falls as the path grows, on a grid of path lengths."""
     ways = np.linspace(0.25, 60, 80)
     for shortest in ways:
         found = [episode_spl(True, float(shortest), float(walked)) for walked in ways]

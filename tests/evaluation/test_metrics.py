@@ -1,4 +1,4 @@
-"""Figures of a run: each by hand on a few records."""
+"""The figures of a run, each computed by hand on a few records."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ucon.evaluation.figures.metrics import MEASURES, episode_spl, summarise
 
 
 def test_seen_is_seen_from_the_first_frame_on() -> None:
-    """Step 0 is the frame before any action; -1 stands for never, and is no step to average."""
+    """Step 0 is the frame before any action; -1 stands for never and is left out of the average."""
     figures = summarise([record(0, first_seen_step=0), record(1, first_seen_step=8), record(2, first_seen_step=-1)])
     assert figures["seen_rate"] == pytest.approx(2 / 3)
     assert figures["first_seen_step"] == pytest.approx(4.0)

@@ -1,4 +1,4 @@
-"""Tables name what played: agent, language model, detector; and a run without habits is a run at every level."""
+"""Tables name agent, language model and detector; a run of an agent without habits counts for every level."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_the_row_of_who_reads_no_habits_names_no_level(at: str) -> None:
     (row,) = [line for line in out.getvalue().splitlines() if "random" in line]
     cells = [cell.strip() for cell in row.strip("│").split("│")]
     assert cells[:2] == ["random", "any"]
-    assert cells[-2:] == ["-", "-"]  # recall and rank of habits that it never read
+    assert cells[-2:] == ["-", "-"]  # recall and rank of habits that it never reads
 
 
 def test_a_sweep_tells_models_apart_and_compares_with_who_was_played_once(

@@ -1,4 +1,4 @@
-"""Bars that stand where they belong."""
+"""Bars are drawn where they belong."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Position bias in summaries and tables: how often a model chooses each place of a list."""
+"""Position bias in summaries and tables: how often a model chooses each position in a list."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_places_are_counted_by_the_length_of_the_list() -> None:
     assert bias is not None
     assert bias.chosen[4] == (6, (4 / 6, 1 / 6, 0.0, 1 / 6))
     assert bias.chosen[2] == (2, (0.5, 0.5))
-    assert bias.agreement == 0.5  # the first and the last of four
+    assert bias.agreement == 0.5  # the first and last of four decisions
     assert bias.named == {"behind": 0.0, "front": 0.25, "left": 0.25, "right": 0.5}
     assert PositionBias.of(MADE[-1:]) is None
     once = PositionBias.of([decision((2,), 2)])

@@ -1,4 +1,4 @@
-"""What counts as the same when a run is played again."""
+"""What counts as the same when a run is replayed."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from ucon.evaluation.figures import report
 
 @pytest.fixture
 def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A clone in small."""
+    """A miniature clone of the repository."""
     monkeypatch.setattr(report.ucon, "__file__", str(tmp_path / "ucon" / "__init__.py"))
     for name in (
         "ucon/__init__.py",

@@ -1,4 +1,4 @@
-"""``compare --plot``: the pictures are drawn from the records that the tables are made of."""
+"""``compare --plot``: plots are drawn from the same records as the tables."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def test_learning_curves_are_drawn_or_refused(tmp_path: Path, capsys: pytest.Cap
 
 
 def test_shares_of_false_sentences_make_lines_on_common_episodes(tmp_path: Path) -> None:
-    """Lines are grouped by kind and share of falsehoods; the floor is the run that is told nothing."""
+    """Lines are grouped by kind and share of falsehoods; the baseline is the run without habits."""
     runs = {}
     for name, level, told, episodes in (
         ("true", "retrieval", {}, range(4)),

@@ -1,4 +1,4 @@
-"""The runner with the real environment: records depend on nothing but the episode; failures reach the user."""
+"""The runner with the real environment: records depend only on the episode; failures reach the user."""
 
 import json
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Subsets by the target's place: from the episode that a record is of, and from no other."""
+"""Subsets by the target's place, taken only from the episode that a record belongs to."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_variety_is_one_where_all_agree_and_grows_with_the_anchors() -> None:
 
 
 def test_of_an_episode_that_is_in_no_set_nothing_is_known() -> None:
-    """Neither of a strange id, nor of one that names another home or thing than the set's."""
+    """For an unknown id, or a known one with another home or target than in the set."""
     known = RECORDS[0]
     for other in (record(0), replace(known, scene="Rs_int~99"), replace(known, target="anvil")):
         assert common_sense(other) is None

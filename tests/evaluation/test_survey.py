@@ -1,4 +1,4 @@
-"""Surveys: what is asked, that the key stays apart, that sheets come back whole, and what they say."""
+"""Surveys: the questions, the separate key, reading the returned sheets, and their figures."""
 
 import csv
 import io
@@ -96,7 +96,7 @@ def test_scores(items, key, tmp_path):
     found: list[Rating] = []
     for rater, said in answers.items():
         text = filled(items, said)
-        # A spreadsheet's own ways: a byte order mark, semicolons.
+        # As some spreadsheet programs save it: with a byte order mark and semicolons.
         path = tmp_path / f"{rater}.csv"
         semicolons = io.StringIO()
         csv.writer(semicolons, delimiter=";").writerows(csv.reader(io.StringIO(text)))
@@ -163,7 +163,7 @@ def test_other_files(key, tmp_path):
 
 
 def test_two_categories_are_enough():
-    """One item with a true place, one with a swapped one; of one category no survey can be made."""
+    """One item with a true place and one with a swapped place; one category is too few for a survey."""
     whole = book()
     names = {item.object.replace(" ", "_") for item in draw_items(whole, 2)}
     two = replace(whole, entries=tuple(entry for entry in whole.entries if entry.category in names))
@@ -174,7 +174,7 @@ def test_two_categories_are_enough():
 
 
 def test_figures_of_a_rater_have_four_digits(items, key, tmp_path):
-    """Of ten true places one is said to be looked at in vain, of three ratings the mean is 4 1/3."""
+    """Of three answers about true places two are yes, and the mean of the three ratings is 4 1/3."""
     true = [item.item for item in items if item.truth == "true"]
     said = {item.item: ("", "") for item in items} | {true[0]: (4, "yes"), true[1]: (4, "yes"), true[2]: (5, "no")}
     (tmp_path / "ana.csv").write_text(filled(items, said))

@@ -1,4 +1,4 @@
-"""An agent that reads no habits is played once in a sweep, and never taken for another run."""
+"""An agent that reads no habits is played once in a sweep, and no other run is mistaken for its twin."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def store(folder: Path, config: dict[str, Any] = RUN, hashes: dict[str, str] = H
 def test_another_habit_level_is_the_same_run(tmp_path: Path) -> None:
     twin = store(tmp_path / "one")
     assert twin_of(tmp_path / "two", FULL, HASHES | {"config": "c2"}) == twin
-    assert twin_of(twin, FULL, HASHES) is None  # a run is no twin of itself
+    assert twin_of(twin, FULL, HASHES) is None  # a run is not its own twin
     (twin / SUMMARY).unlink()
     assert twin_of(tmp_path / "two", FULL, HASHES) is None  # not finished
 

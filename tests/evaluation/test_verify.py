@@ -1,4 +1,4 @@
-"""``python -m ucon verify``: figures are what the records say, and older runs get their checksums."""
+"""``python -m ucon verify``: figures match the records, and older runs can be given checksums."""
 
 import json
 import lzma
@@ -24,7 +24,7 @@ def run(tmp_path):
 
 
 def made_older(folder: Path) -> None:
-    """As the version before checksums wrote it."""
+    """Rewrite the folder as the version before checksums wrote it."""
     said, seconds = (json.loads((folder / name).read_text()) for name in (SUMMARY, SECONDS))
     for name in ("files", "checksum"):
         del said[name], seconds[name]

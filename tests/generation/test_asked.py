@@ -1,4 +1,4 @@
-"""A language model in place of the fitted verifier, on a tiny random Llama."""
+"""A language model instead of the fitted verifier, on a tiny random Llama."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def test_both_are_measured_on_the_pairs_that_the_fit_is_measured_on() -> None:
     features = labelled_pairs(default_verifier(), ENTRIES, default_verifier().frequency, seed=1)
     assert {kind: len(own) for kind, own in pairs.items()} == {kind: len(rows) for kind, rows in features.of.items()}
     verifier = default_verifier()
-    for kind in PAIR_KINDS:  # the evidence of a pair does not depend on what else is read, where its anchor is known
+    for kind in PAIR_KINDS:  # if its anchor is known, the evidence of a pair does not depend on what else is read
         known = [k for k, (_, place) in enumerate(pairs[kind]) if place.anchor in verifier.known]
         assert len(known) > 10
         for k in known:

@@ -58,7 +58,7 @@ def test_the_command_writes_the_file_and_the_doubts(tmp_path, folder, capsys):
 
 @pytest.fixture
 def shipped(tmp_path, monkeypatch):
-    """The embedded book and its file, elsewhere and small."""
+    """A small embedded book and its file, in temporary folders."""
     text, file = tmp_path / "embedded", tmp_path / "data" / "book.habits.xz"
     text.mkdir()
     (text / ANCHORS).write_bytes((BOOK_FOLDER / ANCHORS).read_bytes())

@@ -1,4 +1,4 @@
-"""Verdicts of imported files: really tried, kept by home, shared by files, and what the sampler makes of them."""
+"""Verdicts for imported files: really tried, kept by home, shared between files, and used by the sampler."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def write(folder: Path, *triples: str, scene: str = HOME, name: str = "task.json") -> Path:
-    """A file with one task a target: ``mug nextto tray`` is a location."""
+    """Write a file with one task per target; each triple is a location, as in ``mug nextto tray``."""
     tasks: dict[str, list[str]] = {}
     for triple in triples:
         target, relation, anchor = triple.split()
@@ -50,7 +50,7 @@ def read(path: Path) -> tuple[HabitDataset, ImportReport]:
 
 
 def judged(path: Path) -> tuple[dict[str, int], list[Unplaced], int]:
-    """Counts, refusals, and how many triples were tried for them."""
+    """Counts, refusals, and the number of triples that were tried."""
     dataset, report = read(path)
     totals: list[int] = [0]
     verdicts = tried(dataset, workers=1, progress=lambda _, total: totals.append(total))
@@ -60,7 +60,7 @@ def judged(path: Path) -> tuple[dict[str, int], list[Unplaced], int]:
 
 LOCATIONS = (
     "mug ontop breakfast_table",
-    "mug nextto tray",  # brought in
+    "mug nextto tray",  # its anchor is imported
     "mug nextto swing",
     "mug inside walls",
     "mug inside breakfast_table",
@@ -153,7 +153,7 @@ def test_sampling_goes_by_shapes_whatever_was_tried_before(tmp_path: Path) -> No
 @pytest.mark.slow
 @pytest.mark.skipif(not (RELEASE.is_dir() and TRIPLES.is_file()), reason="the official release's files are not at hand")
 def test_nineteen_in_twenty_of_what_should_fit_is_realised_in_its_scene() -> None:
-    """All locations of the release, really tried in the homes they name; about a minute of CPU."""
+    """All locations of the release are really tried in the homes they name; about a minute of CPU time."""
     with TRIPLES.open(newline="") as file:
         fits = {(r["target"], r["relation"], r["anchor"]) for r in csv.DictReader(file) if r["verdict"] == "ok"}
     dataset, report = read(RELEASE)

@@ -1,4 +1,4 @@
-"""Proposing entries with a model behind a real server that gets everything wrong first."""
+"""Proposing entries with a model behind a real server that first gets everything wrong."""
 
 import copy
 import json
@@ -56,7 +56,7 @@ def changed(path, value):
 @pytest.fixture
 def client(tmp_path):
     def make(url, **options):
-        # Long enough for a machine that does something else: who waits no longer asks again, and that is counted.
+        # Long enough for a busy machine: after a timeout the client asks again, and the tests count requests.
         options = {"timeout_s": 5.0, "backoff_s": 0.01, "attempts": 3, "cache": AnswerCache(tmp_path / "c")} | options
         return ChatClient(url, "tiny", **options)
 

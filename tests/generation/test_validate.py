@@ -1,4 +1,4 @@
-"""Validation: what PyBullet refuses is refused with its reason, the same in any number of processes."""
+"""Validation: placements that PyBullet refuses get its reason; the result is the same with any number of processes."""
 
 import pytest
 
@@ -59,7 +59,7 @@ def test_verdicts_do_not_depend_on_processes_and_interrupted_work_goes_on(tmp_pa
 
 
 def test_shipped_verdicts_are_those_of_this_code():
-    """A seeded sample of the shipped verdicts, tried again."""
+    """A sample of the shipped verdicts, tried again."""
     of = book().verdicts.of
     eyes = RasterRenderer()
     for home in ("Rs_int", "office_large"):

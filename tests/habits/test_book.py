@@ -1,4 +1,4 @@
-"""The book's parser: the whole book, and every malformed case ends in one typed error that names file and line."""
+"""The book's parser: the whole book, and every malformed case raises one typed error that names file and line."""
 
 import shutil
 import sys

@@ -37,7 +37,7 @@ def small() -> HabitDataset:
 
 
 def steps_of(path: Path) -> dict[str, Any]:
-    """How a dataset file was made, as its header says."""
+    """The steps by which a dataset file was made, from its header."""
     return dict(json.loads(lzma.decompress(path.read_bytes()).split(b"\n")[0])["steps"])
 
 
@@ -54,7 +54,7 @@ def test_round_trip_and_equal_bytes(tmp_path):
 
 @pytest.mark.timed
 def test_the_book_loads_in_less_than_half_a_second():
-    """CPU time in a process of its own: among all tests the garbage collector walks their objects meanwhile."""
+    """CPU time in a separate process: in this one, the garbage collector would also walk the other tests' objects."""
     program = (
         "import time; from ucon.habits.book import BOOK_FILE; from ucon.habits.datafile import load_dataset_file;"
         "start = time.process_time(); n = len(load_dataset_file(BOOK_FILE, verified=True));"

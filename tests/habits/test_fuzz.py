@@ -1,4 +1,4 @@
-"""2,500 damaged files: each either loads as plain data or ends in one typed error that names the file."""
+"""2,500 damaged files: each either loads as plain data or raises one typed error that names the file."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def insert(raw: bytes, rng: np.random.Generator) -> bytes:
 
 
 def lines(raw: bytes, rng: np.random.Generator) -> bytes:
-    """A line doubled, removed, or moved elsewhere."""
+    """Duplicate, remove or move a line."""
     rows = raw.split(b"\n")
     row, how = int(rng.integers(len(rows))), int(rng.integers(3))
     line = rows[row] if how == 0 else rows.pop(row)
@@ -69,7 +69,7 @@ def nest(raw: bytes, rng: np.random.Generator) -> bytes:
 
 
 def swap(raw: bytes, rng: np.random.Generator) -> bytes:
-    """Some values of every JSON line (or of the one JSON text) replaced by others of any type."""
+    """Replace some values of the JSON text, or of one of its JSON lines, by others of any type."""
     try:
         return json.dumps(_other(json.loads(raw), rng, 0.03)).encode()
     except ValueError:
@@ -92,14 +92,14 @@ def _swapped(value: Any, rng: np.random.Generator, share: float) -> Any:
 
 
 def _other(value: Any, rng: np.random.Generator, share: float) -> Any:
-    """``value`` with at least one change: that JSON is spaced otherwise is no damage."""
+    """``value`` with at least one change, since mere changes in JSON's spacing are no damage."""
     while (found := _swapped(value, rng, share)) == value:
         pass
     return found
 
 
 def swollen(raw: bytes) -> bytes:
-    """A sentence grown to a megabyte; in a file without our sentences, a word in its middle."""
+    """Grow a sentence to a megabyte; in a file without our sentences, grow a word in its middle."""
     word = re.search(rb"Leaves", raw) or re.compile(rb"\w+").search(raw, len(raw) // 2)
     assert word is not None
     return raw[: word.start()] + HUGE.encode() + raw[word.end() :]
@@ -142,7 +142,7 @@ def release() -> str:
 
 
 def usable(dataset: HabitDataset) -> None:
-    """What loads can be hashed, shown and looked up, and is of names and lengths that all else can take."""
+    """Check that what loads can be hashed, shown and looked up, with names and lengths that all other code accepts."""
     assert dataset.sha256
     assert len(dataset.entry_number) == len(dataset.entries)
     assert {*dataset.categories, *dataset.anchors} <= set(catalogue().names)
@@ -154,7 +154,7 @@ def usable(dataset: HabitDataset) -> None:
 
 
 class Fuzz:
-    """Damages a file again and again, and loads it."""
+    """Damages a file repeatedly and loads it."""
 
     def __init__(self, folder: Path, suffix: str, load: Callable[[Path], Any]) -> None:
         self.folder, self.suffix, self.load = folder, suffix, load
@@ -186,7 +186,7 @@ class Fuzz:
         for number in range(count):
             rng = stream(0, "fuzz", self.suffix, number)
             damaged = pack(ways[number % len(ways)](raw, rng))
-            while damaged == whole:  # a bit flipped twice, a line moved to where it was
+            while damaged == whole:  # such as a bit flipped twice, or a line moved to where it was
                 damaged = pack(ways[number % len(ways)](raw, rng))
             self.one(damaged)
         self.one(pack(swollen(raw)))
@@ -235,7 +235,7 @@ def fuzz_datafile(folder: Path) -> Fuzz:
 
 
 def _signed(raw: bytes) -> bytes:
-    """A dataset file whose checksum is right, whatever it holds."""
+    """Pack a dataset file with a correct checksum, whatever it contains."""
     first, _, body = raw.partition(b"\n")
     try:
         header = json.loads(first)
@@ -259,7 +259,7 @@ def fuzz_episodes(folder: Path) -> Fuzz:
 
 
 def fuzz_manifest(folder: Path) -> Fuzz:
-    """The checksums themselves damaged: the file that they speak of is refused, or is what it was."""
+    """Damage the checksums themselves: the file that they describe is refused, or loads unchanged."""
     file = folder / "wallet.txt"
     file.write_text(written())
     write_manifest(folder, [file.name])

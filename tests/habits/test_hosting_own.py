@@ -1,4 +1,4 @@
-"""An entry is hosted by two placements that a home can realise, or by the only one that it has."""
+"""A home hosts an entry if it can realise two of its placements, or the only one that it has."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reader of the official release: exact counts where it is at hand, and made-up files for everything malformed."""
+"""Reader of the official release: exact counts if it is available, and made-up files for every malformed case."""
 
 import json
 from pathlib import Path

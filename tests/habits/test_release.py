@@ -50,7 +50,7 @@ def read(path: Path) -> tuple[HabitDataset, ImportReport]:
 
 
 def folder(tmp_path: Path) -> Path:
-    """A release folder with every task file, the lists beside them, and two raw files."""
+    """A release folder with every task file, the lists that come with them, and two raw files."""
     for name in TASK_FILES:
         answered = {s: [{**one, "answer": ANSWER} for one in tasks] for s, tasks in LISTED.items()}
         merged = "seen" in name or "merge" in name
@@ -115,10 +115,10 @@ def test_what_a_folder_lacks_is_a_warning_and_what_it_has_is_named(tmp_path: Pat
         ("bottom_cabinet_no_top_ab1cd2_12", "bottom_cabinet_no_top"),
         ("sink_zexzrc", "sink"),
         ("vinegar_bottle_194", "vinegar_bottle"),
-        ("beer_bottle", "beer_bottle"),  # its last word is as long as a model's id
+        ("beer_bottle", "beer_bottle"),  # its last word is as long as a model id
         ("Coffee table", "coffee_table"),
         ('"coffee_table"', "coffee_table"),
-        ("cutlery_drawer", "cutlery_drawer"),  # no category: reported under the whole name
+        ("cutlery_drawer", "cutlery_drawer"),  # not a category: reported under the whole name
         ("garden_shed_3", "garden_shed_3"),
     ],
 )

@@ -1,4 +1,4 @@
-"""What the writer writes the parser reads back."""
+"""The parser reads back what the writer writes."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""A real chat server on the loopback that does what a test tells it, fault by fault."""
+"""A real chat server on the loopback interface that misbehaves as a test tells it to."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from typing import Any
 
 
 class ChatServer(ThreadingHTTPServer):
-    """Plays ``script``, one act a request; the last act is repeated. Keeps what it was asked."""
+    """Plays ``script``, one act per request; the last act is repeated. Keeps the requests."""
 
     daemon_threads = True
     request_queue_size = 64
-    """Many connect at once. One that finds the queue full tries again after a second: longer than a client waits."""
+    """Many clients connect at once. One that finds the queue full retries after a second, longer than it waits."""
 
     def __init__(self, script: list[Callable[[Handler], None]]) -> None:
         super().__init__(("127.0.0.1", 0), Handler)
@@ -32,7 +32,7 @@ class ChatServer(ThreadingHTTPServer):
         return f"http://127.0.0.1:{self.server_address[1]}/v1"
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Clients that went away are part of the tests."""
+        """Ignore clients that went away: they are part of the tests."""
 
 
 class Handler(BaseHTTPRequestHandler):
@@ -48,7 +48,7 @@ class Handler(BaseHTTPRequestHandler):
         self.server.script[min(number, len(self.server.script) - 1)](self)
 
     def do_GET(self) -> None:
-        """The list of models."""
+        """Answer the request for the list of models."""
         self.server.headers.append(dict(self.headers))
         self.server.models(self)
 
@@ -90,12 +90,12 @@ def hangs(seconds: float) -> Act:
 
 
 def closes(handler: Handler) -> None:
-    """Ends the connection without a word."""
+    """Closes the connection without an answer."""
     handler.close_connection = True
 
 
 def breaks_off(handler: Handler) -> None:
-    """Announces more than it sends."""
+    """Announces more bytes than it sends."""
     handler.send_response(200)
     handler.send_header("Content-Length", "1000")
     handler.end_headers()

@@ -1,4 +1,4 @@
-"""What a causal model says by whole forward passes, one an option, without any cache or batch."""
+"""Scores of a causal model by whole forward passes, one per option, without cache or batches."""
 
 import numpy as np
 import torch
@@ -15,7 +15,7 @@ class PlainPasses:
         self._network = transformers.AutoModelForCausalLM.from_pretrained(folder).eval()
 
     def __call__(self, asked: Question):
-        """Of each option (n,), the tokens that count (n,), and the prompt's tokens."""
+        """Log-probabilities of the options (n,), their numbers of tokens (n,), and that of the prompt."""
         messages = [{"role": "system", "content": asked.system}, {"role": "user", "content": asked.situation}]
         text = self._tokenizer.apply_chat_template(messages, tokenize=False, add_generation_prompt=True)
         prompt = self._tokenizer(text, add_special_tokens=False)["input_ids"]

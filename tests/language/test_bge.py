@@ -48,7 +48,7 @@ def copy(folder: Path, tmp_path: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def small() -> KnowledgeBase:
-    """The knowledge base of three categories in a dataset of no others."""
+    """A knowledge base of three categories, in a dataset of only these."""
     from ucon.habits.types import HabitDataset
 
     kb = sampled_kb(book(), "test", 5, "task", k=3)

@@ -169,7 +169,7 @@ def test_a_server_without_schemas_is_asked_in_words(client):
         reply = asker.ask(ASK, schema=SCHEMA)
         assert (reply.data, reply.attempts) == ({"place": "sofa"}, 2)
         assert '"place"' in server.asked[1]["messages"][-1]["content"]
-        assert asker.ask([*ASK, *ASK], schema=SCHEMA).attempts == 1  # it remembers
+        assert asker.ask([*ASK, *ASK], schema=SCHEMA).attempts == 1  # it remembers that schemas are refused
     assert server.asked[0]["response_format"]["json_schema"]["schema"] == SCHEMA
 
 
@@ -238,7 +238,7 @@ def test_the_key_goes_to_the_server_and_nowhere_else(client, tmp_path, monkeypat
     assert not [p for p in tmp_path.rglob("*") if p.is_file() and KEY in p.read_text()]
     assert KEY not in str(caught.value) + str(vars(asker)) + "".join(capsys.readouterr())
     monkeypatch.delenv("CHAT_KEY")
-    assert client(server.url, api_key_env="CHAT_KEY").ask(ASK).text == "yes"  # kept answers need no key
+    assert client(server.url, api_key_env="CHAT_KEY").ask(ASK).text == "yes"  # cached answers need no key
     with pytest.raises(ConfigError, match="'CHAT_KEY' holds no usable key"):
         client(server.url, api_key_env="CHAT_KEY", seed=1).ask(ASK)
     monkeypatch.setenv("CHAT_KEY", "two\nlines")
@@ -289,6 +289,6 @@ def test_json_in_text():
         f"`{text}`",
     ):
         assert json_object(around, ("place",)) == good
-    assert json_object('{"other": 1}', ("place",)) == {"other": 1}  # for the schema's checker to complain of
+    assert json_object('{"other": 1}', ("place",)) == {"other": 1}  # the check against the schema will refuse it
     for none in ("", "[1]", "null", "{", '{"x": {"place": ', '{"x": {"other": 1}, ', "{" * 5000, '{"a":' * 5000):
         assert json_object(none, ("place",)) is None

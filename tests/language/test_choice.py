@@ -1,4 +1,4 @@
-"""Scores make an answer, and what is no number makes none."""
+"""Scores make an answer; scores that are not numbers make none."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The embedded encoder: offline, one text at a time, fp16; the shipped table equals it; the cache heals."""
+"""The embedded encoder: offline, one text at a time, fp16; the shipped table matches it; the cache repairs itself."""
 
 import os
 import shutil
@@ -18,7 +18,7 @@ from ucon.language.store import DATA, VectorTable, default_encoder, shipped_tabl
 
 
 class Counting:
-    """A tiny encoder that counts what it is asked to encode."""
+    """A tiny encoder that counts the texts it encodes."""
 
     name, dim = "counting", 4
 

@@ -1,4 +1,4 @@
-"""Datasets of other languages are told; the shipped book, names, foreign words and emoji are not."""
+"""Datasets in other languages get a warning; the shipped book, names, foreign words and emoji do not."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Names near a word that is none: by spelling where it is misspelt, else by meaning too."""
+"""Suggestions for unknown names: by spelling if the word is misspelt, otherwise also by meaning."""
 
 from __future__ import annotations
 

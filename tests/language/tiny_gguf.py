@@ -1,4 +1,4 @@
-"""A wheel with a tiny random Llama in GGUF, as a package of the registry has one, and the model that describes it."""
+"""A wheel with a tiny random Llama in GGUF, as in a registry's package, and its description as a packaged model."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ucon.core.files import sha256_file
 from ucon.language.packaged import SMOLLM2, PackagedModel
 
 MEMBER = "tiny_llm/Tiny.gguf"
-#: Multiples of 32, the blocks of the format.
+#: Multiples of 32, the block size of the format.
 _SIZES = {"hidden_size": 64, "intermediate_size": 96, "num_attention_heads": 4, "num_key_value_heads": 4}
 _NAMES = {
     "self_attn.q_proj": "attn_q",
@@ -33,12 +33,12 @@ _NAMES = {
 
 
 def original(folder: Path) -> Path:
-    """The model in Hugging Face layout; the file has room for one end of a turn."""
+    """The model in Hugging Face layout, with one end-of-turn token, since GGUF has room for only one."""
     return save_causal(folder, positions=512, tie_word_embeddings=True, eos_token_id=5, **_SIZES)
 
 
 def write_gguf(source: Path, out: Path, template: str = CHAT) -> None:
-    """The file of a model; as the tools of others write it, with matrices of attention in their order of rows."""
+    """Write a model's GGUF file as common tools do, with the rows of attention matrices in their order."""
     config = transformers.AutoConfig.from_pretrained(source)
     weights = transformers.AutoModelForCausalLM.from_pretrained(source, dtype=torch.float32).state_dict()
     writer = gguf.GGUFWriter(out, "llama")
@@ -89,7 +89,7 @@ def _renamed(name: str) -> str:
 
 
 def _rows(name: str, value: np.ndarray, heads: int) -> np.ndarray:
-    """The rows of queries and keys stand in pairs of both halves of a head."""
+    """Interleave the rows of query and key matrices: pairs from the two halves of each head."""
     if not name.endswith(("q_proj.weight", "k_proj.weight")):
         return value
     halves = value.reshape(heads, 2, -1, value.shape[1])
@@ -104,7 +104,7 @@ def pack_wheel(member: Path, out: Path) -> Path:
 
 
 def described(wheel: Path, member: Path, **changed: object) -> PackagedModel:
-    """The packaged model of a wheel: its hashes, and those of the file in it."""
+    """The packaged model that describes a wheel: its hash, and that of the file in it."""
     return replace(
         SMOLLM2,
         name="tiny",

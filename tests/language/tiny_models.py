@@ -1,4 +1,4 @@
-"""Tiny random models with real tokenizers, processors and chat templates, saved as the hub keeps them."""
+"""Tiny random models with real tokenizers, processors and chat templates, saved in the hub's layout."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def _tokenizer(template="", masked=False, **options):
 
 
 def save_causal(folder: Path, template=CHAT, positions=1024, kind="LlamaConfig", **options) -> Path:
-    """``kind`` is a configuration class of transformers, ``options`` what it is told besides."""
+    """Save a causal model; ``kind`` is a configuration class of transformers, ``options`` its further arguments."""
     tokenizer = _tokenizer(template)
     torch.manual_seed(0)
     usual = {"hidden_size": 32, "intermediate_size": 64, "num_attention_heads": 4, "num_key_value_heads": 2}
@@ -130,7 +130,7 @@ def save_masked(folder: Path, positions=514) -> Path:
 
 
 def save_mllama(folder: Path, template=CHAT, positions=2048) -> Path:
-    """The architecture of Llama-3.2-Vision: images enter by cross-attention."""
+    """Save a model of Llama-3.2-Vision's architecture: images enter by cross-attention."""
     from transformers.models.mllama.image_processing_pil_mllama import MllamaImageProcessorPil
 
     tokenizer = _tokenizer(template)
@@ -166,7 +166,7 @@ def save_mllama(folder: Path, template=CHAT, positions=2048) -> Path:
     )
     model = transformers.MllamaForConditionalGeneration(config)
     for name, weight in model.named_parameters():
-        if "gate" in name:  # closed in a new model, which would then see nothing
+        if "gate" in name:  # gates are closed in a new model, so it would not see images
             torch.nn.init.ones_(weight)
     model.save_pretrained(folder)
     images = MllamaImageProcessorPil(size={"height": 16, "width": 16}, max_image_tiles=4)
@@ -175,7 +175,7 @@ def save_mllama(folder: Path, template=CHAT, positions=2048) -> Path:
 
 
 def save_llava(folder: Path) -> Path:
-    """The architecture of LLaVA: patches of the image stand among the tokens."""
+    """Save a model of LLaVA's architecture: image patches are among the tokens."""
     from transformers.models.clip.image_processing_pil_clip import CLIPImageProcessorPil
 
     tokenizer = _tokenizer(CHAT)

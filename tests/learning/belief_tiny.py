@@ -1,4 +1,4 @@
-"""A belief learner on a piece of the habit book, read by the fitted reader: quick to make."""
+"""A belief learner on a part of the habit book, read by the fitted reader, that is quick to make."""
 
 from functools import partial
 

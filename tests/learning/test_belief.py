@@ -1,4 +1,4 @@
-"""Training of the belief head on a piece of the book, and what it may learn from."""
+"""Training of the belief head on a part of the book, and what it may learn from."""
 
 import json
 import pickle
@@ -166,7 +166,7 @@ def test_draws_out_of_range_are_refused(option):
 
 
 def in_two_homes() -> HabitDataset:
-    """One entry a category of the book in either of two homes, which do not say what their habits support."""
+    """One entry per category of the book, in two homes in turn, without labels of what habits support."""
     data, entries = some_habits(3), []
     for number, name in enumerate(data.categories):
         home = f"home_{number % 2}"
@@ -189,7 +189,7 @@ def test_only_training_entries_teach_and_others_are_asked_about_alone(dataset):
 
 
 def test_habits_of_homes_are_read_by_the_shipped_parts(monkeypatch):
-    """Nothing was fitted on them, so there is nothing to hold out."""
+    """The shipped parts were not fitted on these habits, so nothing is held out."""
     monkeypatch.setattr("ucon.learning.belief_head.held_out_readers.book_folds", None)
     learner = BeliefLearner(partial(small_head), in_two_homes(), steps=4, parts=plain_parts(), households=1, n_kbs=2)
     before = learner.validate()["score"]
@@ -268,7 +268,7 @@ def test_relations_are_part_of_the_anchors(drawn):
 
 
 def test_swapped_names_keep_what_is_said_with_the_place(drawn):
-    """Same draw, names exchanged: pair inputs and truth stay, names and common sense move together."""
+    """The same draw with names exchanged: pair inputs and truth stay, names and common sense move together."""
     plain, swap = drawn[1]["plain"], drawn[1]["swap"]
     assert np.array_equal(plain.inputs.pair, swap.inputs.pair)
     assert np.array_equal(plain.truth.anchor, swap.truth.anchor)

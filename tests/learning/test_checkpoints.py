@@ -1,4 +1,4 @@
-"""Checkpoints are whole or refused, and what must stay stays."""
+"""Checkpoints are whole or refused, and the best and latest ones are kept."""
 
 import json
 

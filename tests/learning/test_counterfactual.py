@@ -29,7 +29,7 @@ def search() -> Factory:
 
 @pytest.fixture(scope="module")
 def cache(search: Factory, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A cache of its own, with the labelled decisions of a few searches."""
+    """A separate cache with the labelled decisions of a few searches."""
     folder = tmp_path_factory.mktemp("cache")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("UCON_CACHE", str(folder))
@@ -47,10 +47,10 @@ def test_some_views_of_every_decision_are_labelled_the_first_among_them(kept: st
     worth, among = kept.frames["worth"], rivals(kept.frames)
     tried = ~np.isnan(worth)
     assert (tried.sum(1) >= 2).all()
-    assert (tried.sum(1) == np.minimum(among.sum(1), 3)).mean() > 0.95  # but where float16 makes two alike
+    assert (tried.sum(1) == np.minimum(among.sum(1), 3)).mean() > 0.95  # unless float16 ties two
     assert (tried & ~among).sum() <= 0.01 * tried.sum()
     first = first_views(kept.frames)
-    assert tried[np.arange(len(kept)), first].mean() > 0.95  # but where float16 makes two alike
+    assert tried[np.arange(len(kept)), first].mean() > 0.95  # unless float16 ties two
     assert worth[tried].min() >= 0.0
     assert worth[tried].max() <= 1.0
     assert np.nanstd(worth, axis=1).mean() > 0.001

@@ -1,4 +1,4 @@
-"""Parts that read some categories of a habit book after learning from the others, also of a book of one's own."""
+"""Readers fitted on some categories of a habit book to read the others, also for a user's own book."""
 
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ QUICK = PlaceRecipe(epochs=1, rank=2)
 
 @pytest.fixture(scope="module")
 def cache(tmp_path_factory):
-    """A user's cache of its own, kept for all tests of this file."""
+    """A separate user cache, shared by all tests of this file."""
     folder = tmp_path_factory.mktemp("cache")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("UCON_CACHE", str(folder))
@@ -34,7 +34,7 @@ def cache(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def data():
-    """A small book, which names fewer anchors than the shipped one."""
+    """A small book that names fewer anchors than the shipped one."""
     found = some_habits(40)
     assert len(found.anchors) < len(default_weights().anchors)
     return found
@@ -70,7 +70,7 @@ def test_a_small_book_is_read_with_the_anchors_of_the_shipped_weights(fold):
 
 
 def told(data):
-    """Sentences of train entries that speak for one place, with their entries."""
+    """Sentences of train entries that support exactly one place, with their entries."""
     texts = set(train_texts(data))
     return [(e, h) for e in data.entries for h in e.habits if len(h.supports) == 1 and h.text in texts]
 
@@ -87,7 +87,7 @@ def test_is_fitted_once_and_anew_where_it_was_killed_meanwhile(data, fold, cache
     (manifest,) = (cache / "crossfit").rglob(MANIFEST)
     again = folds(data, default_pair_reader(), 2, 1, QUICK, never)[0]
     assert np.array_equal(again.logits, fold.logits)
-    manifest.unlink()  # as a kill between the two files leaves it
+    manifest.unlink()  # as after a kill between writing the two files
     with pytest.raises(AssertionError, match="fitting a reader for"):
         folds(data, default_pair_reader(), 2, 1, QUICK, never)
     assert np.array_equal(fitted(data)[0].logits, fold.logits)

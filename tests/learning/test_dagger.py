@@ -1,4 +1,4 @@
-"""DAgger: what is collected, who plays, and that it can be stopped anywhere."""
+"""DAgger: what is collected, who acts, and that it can be stopped anywhere."""
 
 import dataclasses
 import functools
@@ -22,7 +22,7 @@ from ucon.learning.run.training_run import Plan, TrainingRun
 from ucon.task.actions import Action
 from ucon.task.expert import Expert
 
-#: As agents that search need it.
+#: The environment that searching agents need.
 SHOWN = functools.partial(ENV, detector=True)
 
 
@@ -89,7 +89,7 @@ def test_an_agent_that_searches_says_what_it_would_do_wherever_the_policy_went(l
     for _ in range(4):
         found.step()
     first, later = found.collected[:4], found.collected[4:]
-    for one in first:  # as it plays by itself
+    for one in first:  # equal to its play without a policy
         played = AgentDemonstrator(BeliefAgent(), SHOWN)(one.episode, one.level)
         assert one.actions == one.labels == played.actions[:60] or played.actions == one.episode.solution
     assert any(one.actions != one.labels for one in later)
@@ -99,7 +99,7 @@ def test_an_agent_that_searches_says_what_it_would_do_wherever_the_policy_went(l
 
 
 def test_an_expert_that_is_not_obeyed_makes_new_plans(learner):
-    """Every fourth action is another than it said, and yet it comes to the target."""
+    """Every fourth action differs from the expert's, and yet it gets to the target."""
     expert, env = SearchingExpert(BeliefAgent()), SHOWN()
     for number in range(3):
         episode = learner().episodes[number]
@@ -127,7 +127,7 @@ def test_the_collections_take_episodes_and_levels_in_turn(learner):
 
 
 def test_collections_are_the_same_with_any_number_of_workers(learner):
-    """Parts of three and of one episode, played ahead by others, with what was seen of them."""
+    """Parts of three episodes and of one, played ahead by workers and kept with their frames."""
     found = []
     for workers in (0, 2):
         with closing(learner(TinyPolicy(dropout=0.1), steps=9, average=0.5, workers=workers)) as one:
@@ -202,7 +202,7 @@ def test_nothing_is_collected_beyond_the_end_but_where_a_run_is_lengthened(learn
 
 @pytest.mark.parametrize("at", [2, 3, 5])
 def test_a_run_that_is_killed_goes_on_to_the_same_bytes(learner, tmp_path, at):
-    """Before a collection, in the middle between two, and just after one."""
+    """It is killed before a collection, halfway between two, and just after one."""
 
     class KilledError(Exception):
         pass
@@ -230,7 +230,7 @@ def test_a_run_that_is_killed_goes_on_to_the_same_bytes(learner, tmp_path, at):
 
 
 def test_a_run_that_finds_nothing_better_than_its_start_ends_with_its_start(learner, tmp_path):
-    """Before the first step nothing plays yet, and that state is loaded at the end."""
+    """The state before the first step, without weights that play, is loaded at the end."""
     found = learner(steps=2)
     before = {name: tensor.clone() for name, tensor in found.policy.state_dict().items()}
     scores = iter([1.0, 0.5])

@@ -1,4 +1,4 @@
-"""Searches as demonstrations: what the agent did where it found the target, told the habits of the policy's level."""
+"""Successful searches as demonstrations, by an agent that is given the habits of the policy's level."""
 
 from __future__ import annotations
 
@@ -84,11 +84,11 @@ def test_each_is_played_once_and_later_runs_know_its_actions(tmp_path: Path, mon
     (file,) = (tmp_path / "cache" / "demonstrations").iterdir()
     lines = file.read_text().splitlines()
     assert len(lines) == 3
-    monkeypatch.setattr(AgentDemonstrator, "__call__", None)  # nothing is played again
+    monkeypatch.setattr(AgentDemonstrator, "__call__", None)  # playing again would fail
     figures.append(tiny_imitation(tmp_path, demonstrator=AgentDemonstrator(BeliefAgent(), ENV)).step())
     monkeypatch.undo()
     monkeypatch.setenv("UCON_CACHE", str(tmp_path / "cache"))
-    file.write_text("\n".join([lines[0], "[1]", lines[1], lines[2][:-4]]))  # one was not written to its end
+    file.write_text("\n".join([lines[0], "[1]", lines[1], lines[2][:-4]]))  # the last one was not fully written
     figures.append(tiny_imitation(tmp_path, demonstrator=AgentDemonstrator(BeliefAgent(), ENV)).step())
     assert figures[0] == figures[1] == figures[2]
     assert file.read_text().splitlines()[-1] == lines[2]

@@ -1,4 +1,4 @@
-"""Every policy given to every learner of policies, as the files of configs/ say: trained, or refused in one line."""
+"""Every policy with every policy learner, as configured in configs/: it is trained, or refused in one line."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from ucon.core.errors import ConfigError
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 OPTIONS = sorted((p.parent.name, p.stem) for p in CONFIGS.glob("*/*.yaml"))
-#: Learners that play nothing: they learn from data that is kept.
+#: Learners that do not play: they learn from stored data.
 FROM_DATA = ("belief", "counterfactual", "foresight", "judge", "retriever")
 #: Learners of an agent's policy.
 OF_POLICIES = [n for g, n in OPTIONS if g == "learner" and n not in FROM_DATA]
@@ -24,7 +24,7 @@ def composed(*overrides: str, root: str = "eval") -> dict:
 
 
 def with_a_policy():
-    """Agents that have one: each can be trained."""
+    """Agents that have a policy, which can be trained."""
     return [n for g, n in OPTIONS if g == "agent" and "policy" in composed(f"agent={n}")["agent"]]
 
 
@@ -39,7 +39,7 @@ UNFIT = {
 
 
 def fits(policy: str, learner: str) -> bool:
-    """Whether a learner is for a policy: one scores views, the others choose actions, one of these by images."""
+    """Whether a learner fits a policy: habit_policy scores views, the others choose actions, zson by goal images."""
     if learner == "image_goal":
         return policy == "zson"
     return learner == "ppo" or policy != "habit_policy"
@@ -58,6 +58,6 @@ def test_every_policy_can_be_given_to_every_learner_of_policies(name, learner):
         with pytest.raises(ConfigError, match=UNFIT[learner]):
             Factory(config["learner"])()
         return
-    built = Factory(config["learner"])()  # refuses what could not be trained as the files say
+    built = Factory(config["learner"])()  # refuses what cannot be trained as configured
     assert built.resolved_options["precision"] in ("float32", "bfloat16")
     built.close()

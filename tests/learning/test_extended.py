@@ -1,4 +1,4 @@
-"""Runs that are extended: what that does to schedules, to bytes, to what is said of them, and what is refused."""
+"""Extended runs: effects on schedules, bytes and descriptions, and what is refused."""
 
 import functools
 import json
@@ -27,7 +27,7 @@ STORED = {
 
 
 class Annealed(Line):
-    """Learns ever more slowly until the end of its schedule."""
+    """A line whose learning rate falls until the end of its schedule."""
 
     length = PLAN.steps
 
@@ -48,7 +48,7 @@ class Annealed(Line):
 
 
 def a_run(folder, learner=None, *, stop_after=None):
-    """As ``train.py`` goes on with the plan that the folder's configuration holds."""
+    """A run with the plan in the folder's configuration, as ``train.py`` continues it."""
     learner = learner or Annealed()
     if stop_after:
         learner.on_step = lambda done: os.kill(os.getpid(), signal.SIGTERM) if done == stop_after else None
@@ -88,7 +88,7 @@ def go_on(folder, checkpoint="latest", *, learner=None, stop_after=None):
 
 @pytest.fixture(scope="module")
 def extended(tmp_path_factory):
-    """Finished after 23 steps, then extended to 40."""
+    """A run finished after 23 steps and then extended to 40."""
     folder = tmp_path_factory.mktemp("extended") / "run"
     begin(folder)
     extend(folder, 40)
@@ -196,7 +196,7 @@ def test_a_configuration_without_the_extension_is_of_another_run(extended):
 
 
 def asked(folder, *overrides, steps=None):
-    """What ``train.py resume=folder`` makes of other options."""
+    """The run that ``train.py resume=folder`` chooses when other options are given."""
     given = {"resume": str(folder), "progress": False, "wandb": False, "tensorboard": False, "runner": {}}
     return chosen_run(OmegaConf.create(given | {"training": {"steps": steps}}), list(overrides), None)
 

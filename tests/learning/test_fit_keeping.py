@@ -1,4 +1,4 @@
-"""The fit maximises what the model says of places, and finds better weights than those it starts with."""
+"""The fit maximises the model's own likelihood of places, and finds better weights than its starting point."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Checkpoints cut anywhere, bits flipped anywhere: never loaded as if whole, and the one before is named and good."""
+"""Checkpoints with cuts or flipped bits are never loaded as if whole; the error names the previous, intact one."""
 
 import re
 from contextlib import suppress
@@ -17,7 +17,7 @@ CUTS, FLIPS = 10, 100
 
 @pytest.fixture
 def checkpoints(tmp_path) -> Checkpoints:
-    """Those of a whole run, several of them."""
+    """The checkpoints of a whole run."""
     run = begun(tmp_path / "run", Line())
     run.run()
     assert (tmp_path / "run" / CHECKPOINTS).is_dir()
@@ -25,12 +25,12 @@ def checkpoints(tmp_path) -> Checkpoints:
 
 
 def cuts(raw: bytes) -> list[bytes]:
-    """The file cut at ten places, evenly from nothing of it to all but its last byte."""
+    """The file cut at ten places, evenly from an empty file to all but the last byte."""
     return [raw[: (len(raw) - 1) * k // (CUTS - 1)] for k in range(CUTS)]
 
 
 def flips(raw: bytes, name: str) -> list[bytes]:
-    """The file with one bit flipped, at a hundred places; its first and its last bit are among them."""
+    """The file with one bit flipped, at a hundred places and at its first and last bit."""
     found = []
     for bit in {0, 8 * len(raw) - 1, *map(int, stream(0, "flip", name).choice(8 * len(raw), FLIPS, replace=False))}:
         changed = bytearray(raw)
@@ -40,7 +40,7 @@ def flips(raw: bytes, name: str) -> list[bytes]:
 
 
 def content(checkpoints: Checkpoints, name: str = LATEST):
-    """Everything in a checkpoint, comparable."""
+    """Everything in a checkpoint, in comparable form."""
     step, state = checkpoints.load(name)
     return step, dict(state.values), {key: tensor.numpy().tobytes() for key, tensor in state.tensors.items()}
 
@@ -74,7 +74,7 @@ def content_step(path) -> int:
 
 
 def test_damage_to_the_checksums_is_noticed_or_changes_nothing(checkpoints):
-    """Nothing vouches for the checksums, so a flip may hit what nobody reads; a cut file is no JSON."""
+    """Nothing protects the checksums themselves, so a flip may hit something unread; a cut file is invalid JSON."""
     path = checkpoints.all()[-1] / MANIFEST
     raw, whole, refused = path.read_bytes(), content(checkpoints), 0
     for bad in cuts(raw.rstrip()):

@@ -32,7 +32,7 @@ def search() -> Factory:
 
 @pytest.fixture(scope="module")
 def cache(search: Factory, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A cache of its own, with the decisions of a few searches."""
+    """A separate cache with the decisions of a few searches."""
     folder = tmp_path_factory.mktemp("cache")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("UCON_CACHE", str(folder))
@@ -69,7 +69,7 @@ def test_decisions_are_kept_and_the_number_of_workers_does_not_matter(
     store.kept_decisions(BEYOND, "mini", 8, search, LEVELS, 0, 1)
     (one,) = (tmp_path / "foresight").rglob("*.safetensors")
     assert one.read_bytes() == files[0].read_bytes()
-    monkeypatch.setattr(kept_batches, "open_pool", None)  # nothing is searched again
+    monkeypatch.setattr(kept_batches, "open_pool", None)  # searching again would fail
     assert len(store.kept_decisions(BEYOND, "mini", 8, search, LEVELS, 0, 1))
     one.write_bytes(one.read_bytes()[:1000])
     with pytest.raises(DataError, match=r"no decisions .*remove it[^\n]*$"):
@@ -101,7 +101,7 @@ def test_every_decision_has_its_episodes_text_and_what_lies_beyond(kept: store.D
     beyond, offered = kept.frames["beyond"].astype(float), kept.frames["action_mask"] > 0
     assert beyond.min() >= 0.0
     assert beyond.max() <= 1.0
-    assert (np.diff(beyond, axis=-1) >= 0).all()  # who goes farther finds no less
+    assert (np.diff(beyond, axis=-1) >= 0).all()  # going farther never finds less
     assert (beyond[~offered] == 0).all()
     assert beyond[..., 2][offered].std() > 0.05
 
@@ -127,7 +127,7 @@ def test_training_foresees_more_and_resumes_to_the_same_weights(learner: Foresig
     for _ in range(30):
         learner.step()
     after = learner.validate()
-    assert after["foreseen"] > before["foreseen"] + 0.05  # these are the homes it learns in
+    assert after["foreseen"] > before["foreseen"] + 0.05  # measured in the homes it learns in
     again = made(search)
     again.load_state_dict(type(half)(*kept))
     for _ in range(30):

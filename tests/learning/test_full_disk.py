@@ -1,4 +1,4 @@
-"""No room left, anywhere in a run: what was saved stays whole, and the run goes on to the same bytes."""
+"""A full disk at any point of a run: saved files stay whole, and the continued run gives the same bytes."""
 
 import errno
 import sys
@@ -16,8 +16,8 @@ pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="li
 
 @contextmanager
 def room_for(size: int):
-    """No file of this process may grow beyond ``size`` bytes: writing fails in its middle, as on a full disk."""
-    import resource  # which Windows has not
+    """Limit this process's files to ``size`` bytes, so that writing fails midway, as on a full disk."""
+    import resource  # not available on Windows
 
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
@@ -35,13 +35,13 @@ def whole(tmp_path_factory):
 
 
 def saved(folder):
-    """Step of the checkpoint that ``latest`` names, which must be whole; None where nothing was saved yet."""
+    """Step of the checkpoint that ``latest`` names, which must be whole; None if nothing was saved yet."""
     again = TrainingRun(folder, Line(), PLAN, {"config": "x"})
     return again.checkpoints.load()[0] if (again.checkpoints.folder / LATEST).exists() else None
 
 
 def test_a_run_without_room_keeps_what_it_saved_and_goes_on_to_the_same_bytes(whole, tmp_path):
-    """The limit is every twentieth part of the longest file: metrics, state or tensors stop in their middle."""
+    """The limits are multiples of a twentieth of the longest file: metrics, state or tensors are cut off."""
     longest = max(len(content) for content in files(whole).values())
     stopped_at = set()
     for part in range(1, 20):
@@ -65,7 +65,7 @@ def test_a_run_without_room_keeps_what_it_saved_and_goes_on_to_the_same_bytes(wh
 
 
 def test_there_is_room_again_in_the_middle_of_a_save(whole, tmp_path):
-    """The same process may go on: a save that failed has changed nothing."""
+    """The same process can continue: a failed save has changed nothing."""
     run = begun(tmp_path / "run")
     with pytest.raises(OSError, match="File too large"), room_for(64):
         run.run()

@@ -1,4 +1,4 @@
-"""Folders of runs that somebody else made: one line, and nothing outside of them is read, written or deleted."""
+"""Run folders from others: errors are one line, and nothing outside the folders is read, written or deleted."""
 
 import json
 import os
@@ -33,7 +33,7 @@ def run(whole, tmp_path):
 
 @pytest.fixture
 def elsewhere(whole, tmp_path):
-    """Somebody's own run, which nobody may touch."""
+    """The user's own run, which must not be touched."""
     return shutil.copytree(whole, tmp_path / "elsewhere")
 
 
@@ -59,7 +59,7 @@ ENTRIES = (
 
 @pytest.mark.parametrize("name", ENTRIES)
 def test_links_lead_nowhere(run, elsewhere, name):
-    """Even those to what would fit: what lies elsewhere is neither read nor replaced nor deleted."""
+    """Even if a link's target would fit, it is neither read nor replaced nor deleted."""
     (elsewhere / "tensorboard").mkdir()
     (elsewhere / "wandb").mkdir()
     (elsewhere / "checkpoints" / ".step_00000007.x").mkdir()
@@ -87,7 +87,7 @@ def test_a_folder_where_a_file_should_be_and_a_pipe_where_either_should(run, nam
     refused(run, f"expected a {'folder' if a_folder else 'file'}")
     shutil.rmtree(path, ignore_errors=True)
     path.unlink(missing_ok=True)
-    os.mkfifo(path)  # reading it would wait for ever
+    os.mkfifo(path)  # reading it would block forever
     refused(run, "expected a")
 
 
@@ -107,7 +107,7 @@ def test_names_that_lead_elsewhere(run, elsewhere, name, how):
 
 
 def test_a_wrong_pointer_to_the_best_changes_no_figure(run, whole):
-    """It names a whole checkpoint, but not the one that validated best."""
+    """It names a whole checkpoint, but not the one with the best validation."""
     best, others = (run / "checkpoints" / "best"), sorted((run / "checkpoints").glob("step_*"))
     best.write_text(next(p.name for p in others if p.name != best.read_text().strip()) + "\n")
     again = TrainingRun(run, Line(), PLAN, {"config": "x"})
@@ -118,7 +118,7 @@ def test_a_wrong_pointer_to_the_best_changes_no_figure(run, whole):
 
 
 def rewritten(run, change):
-    """``state.json`` of the last checkpoint as ``change`` makes it, under a manifest that knows it."""
+    """Change ``state.json`` of the last checkpoint and update the manifest."""
     folder = run / "checkpoints" / LAST
     value = change(json.loads((folder / VALUES).read_text()))
     (folder / VALUES).write_text(value if isinstance(value, str) else json.dumps(value))
@@ -204,7 +204,7 @@ def test_tensors_that_no_run_wrote(run, name):
 
 
 def test_a_file_larger_than_any_state_is_not_read(run):
-    """It takes no room on the disk, and would take all of the memory."""
+    """A sparse file takes no room on the disk, but would take all memory."""
     folder = run / "checkpoints" / LAST
     with (folder / TENSORS).open("r+b") as file:
         file.truncate(1 << 42)
@@ -239,7 +239,7 @@ def test_counts_are_whole_numbers(value):
 
 
 def test_a_checkpoint_of_other_kinds_of_number_is_refused(run):
-    """Names and shapes are right."""
+    """Names and shapes are right, but dtypes or values are not."""
     from ucon.learning.run.updates import Updates
 
     weight = torch.nn.Parameter(torch.zeros(2))

@@ -1,4 +1,4 @@
-"""Imitation of stored solutions: it learns, it can be stopped anywhere, and it refuses what makes no sense."""
+"""Imitation of stored solutions: it learns, can be stopped anywhere, and refuses senseless options."""
 
 import functools
 import itertools
@@ -29,7 +29,7 @@ def learner(folder):
 
 
 def test_it_learns_three_episodes_by_heart(folder, learner):
-    """All labels in the end, where the commonest one is right in four of five."""
+    """It predicts nearly all labels in the end; always predicting the commonest would be right in four of five."""
     found = learner(n_episodes=3, levels=("none",), steps=400, chunk=10, lr=5e-3, loss=SequenceLoss({"done": 2.0}))
     labels = "".join(episode.solution for episode in found.episodes)
     prior = max(labels.count(digit) for digit in set(labels)) / len(labels)
@@ -55,7 +55,7 @@ def test_budgets_are_counted(learner):
 
 
 def test_a_batch_is_learned_from_at_once_or_every_few_chunks(learner):
-    """The first update of the first chunk sees the same weights; later ones see those that it left."""
+    """The first update sees the same weights; later ones see the weights that the previous update left."""
     once, twice, each = (learner(n_episodes=1, batch=1, chunk=3, update_every=n) for n in (None, 2, 1))
     n_chunks = -(-len(once.episodes[0].solution) // 3)
     steps = [one.step() for one in (once, twice, each)]
@@ -124,7 +124,7 @@ def files(folder):
 
 @pytest.mark.parametrize("at", [1, 5])
 def test_a_run_that_is_killed_goes_on_to_the_same_bytes(learner, tmp_path, at):
-    """Dropout, moving average, the order of episodes and what is kept in memory included."""
+    """This includes dropout, the moving average, the order of episodes and the replays in memory."""
 
     def made():
         return learner(TinyPolicy(dropout=0.2), steps=7, average=0.9)
@@ -187,7 +187,7 @@ def test_the_product_is_the_average_and_is_loaded_again(learner, tmp_path):
 
 
 class Broken(TinyPolicy):
-    """Has a number that is none in a place of one's choice."""
+    """A policy with a non-finite number in a place given by ``where``."""
 
     def __init__(self, where):
         super().__init__()
@@ -298,7 +298,7 @@ def test_a_policy_without_habits_has_one_level(learner):
 
 
 def test_the_training_set_is_of_the_train_part():
-    """Its people are checked with all sets; its homes must be none that anything is measured in."""
+    """Its households are checked with those of all sets; its homes must not be used in any measured set."""
     homes = {episode.scene for episode in load_episodes("train")}
     measured = {episode.scene for name in ("mini", "val", "test", "test_large") for episode in load_episodes(name)}
     assert len(homes) == 800

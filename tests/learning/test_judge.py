@@ -23,7 +23,7 @@ from ucon.search.suspects import EVIDENCE, OF_HABITS, arithmetic
 
 @pytest.fixture(scope="module")
 def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A cache of its own, with the cases of a few searches."""
+    """A separate cache with the cases of a few searches."""
     folder = tmp_path_factory.mktemp("cache")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("UCON_CACHE", str(folder))
@@ -53,7 +53,7 @@ def test_cases_are_kept_and_the_number_of_workers_does_not_matter(
     judge_cases.collected("mini", 10, [NoisyDetector()], 0, 1)
     (one,) = (tmp_path / "judge").rglob("*.safetensors")
     assert one.read_bytes() == files[0].read_bytes()
-    monkeypatch.setattr(kept_batches, "open_pool", None)  # nothing is searched again
+    monkeypatch.setattr(kept_batches, "open_pool", None)  # searching again would fail
     assert len(judge_cases.collected("mini", 10, [NoisyDetector()], 0, 1).home)
     one.write_bytes(one.read_bytes()[:100])
     with pytest.raises(DataError, match=r"no cases .*remove it[^\n]*$"):

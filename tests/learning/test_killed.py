@@ -1,4 +1,4 @@
-"""Runs that are killed at random, again and again, end in the same bytes as one that was left alone."""
+"""Runs that are killed repeatedly at random times end in the same bytes as an undisturbed one."""
 
 import multiprocessing
 import os
@@ -19,7 +19,7 @@ MADE = {"imitation": tiny_imitation, "dagger": tiny_dagger, "ppo": tiny_ppo}
 
 
 def train(kind, episodes, folder):
-    """What each process does: begin, or go on from what the last one left."""
+    """What each process does: start the run, or continue where the last process stopped."""
     import torch
 
     torch.set_num_threads(1)
@@ -37,7 +37,7 @@ def lines(folder):
 
 
 def killed(start, folder, draw):
-    """Kill a process some lines of metrics after its start, anywhere between two; False where it was done already."""
+    """Kill a process at a random time some lines of metrics after its start; False if it had already finished."""
     process, until = start(folder), lines(folder) + int(draw.integers(0, 3))
     while process.is_alive() and lines(folder) < until:
         time.sleep(0.002)
@@ -49,7 +49,7 @@ def killed(start, folder, draw):
 
 
 def visible(folder):
-    """Files but those under a temporary name, which a killed process may leave behind."""
+    """Files without those under temporary names, which a killed process may leave behind."""
     return {name: content for name, content in files(folder).items() if not name.rpartition("/")[2].startswith(".")}
 
 

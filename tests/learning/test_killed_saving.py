@@ -1,4 +1,4 @@
-"""A process that does nothing but save, killed again and again: what ``latest`` names is always whole."""
+"""A process that only saves, killed repeatedly: the checkpoint named by ``latest`` is always whole."""
 
 import multiprocessing
 import os
@@ -13,12 +13,12 @@ from ucon.learning.run.protocol import State
 
 IDENTITY = {"config": "c"}
 KILLS = 50
-#: Numbers in each of two tensors; 8 MB together, so that most of the time goes into writing.
+#: Numbers in each of two tensors, 8 MB together, so that most of the time is spent writing.
 SIZE = 1_000_000
 
 
 def state(step: int) -> State:
-    """One whose two halves and whose values all tell the step: of two saves mixed, they would not agree."""
+    """A state with the step in both tensors and in the values, so that a mixture of two saves would be noticed."""
     import torch
 
     full = {name: torch.full((SIZE,), float(step)) for name in ("first", "second")}
@@ -39,7 +39,7 @@ def told(folder) -> str:
 
 
 def found(folder) -> int:
-    """The step of the newest checkpoint, which must be whole and of one piece; 0 before the first."""
+    """The step of the newest checkpoint, which must be whole and consistent; 0 before the first."""
     if not (folder / LATEST).exists():
         return 0
     step, loaded = Checkpoints(folder, IDENTITY).load()

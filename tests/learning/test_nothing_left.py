@@ -1,4 +1,4 @@
-"""A training whose worker was killed or stopped leaves no process and no shared memory behind when it has ended."""
+"""A training run that lost a worker leaves no processes and no shared memory behind when it has ended."""
 
 import json
 import os
@@ -17,9 +17,9 @@ pytestmark = [
 
 
 def train_until_lost(folder: str, number: int) -> None:
-    """A command that learns a step with two workers, loses one, and ends as ``train.py`` does.
+    """Learn a step with two workers, lose one, and end as ``train.py`` does.
 
-    Prints what it has held: its processes, and the files of shared memory that any of them has mapped.
+    Prints its worker processes, and the files of shared memory that any of its processes has mapped.
     """
     from tests.learning.tiny_ppo import tiny_ppo
     from ucon.learning.ppo.collecting import InWorkers

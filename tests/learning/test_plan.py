@@ -1,4 +1,4 @@
-"""How long a run is, and what it was extended by."""
+"""The length of a run, and its extensions."""
 
 import pytest
 

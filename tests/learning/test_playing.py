@@ -1,4 +1,4 @@
-"""A policy plays several episodes at once: each as if it were alone."""
+"""A policy plays several episodes at once, each as if it were alone."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ EPISODES = load_episodes("mini")[:4]
 
 
 def noisy_policy():
-    """A random policy whose choices hang on all that it saw."""
+    """A random policy whose choices depend on everything it has seen."""
     policy = TinyPolicy(seed=3)
     with torch.no_grad():
         policy.choose.weight.mul_(8)
@@ -33,7 +33,7 @@ def played(jobs, slots, sample=False, policy=None):
 
 
 def test_every_episode_is_played_as_if_it_were_alone():
-    """A recurrent state that leaks between slots, or from one episode to the next in a slot, would show."""
+    """This would fail if a recurrent state leaked between slots, or from one episode to the next in a slot."""
     alone = [played([job], 1)[0] for job in JOBS]
     assert len(set(alone)) > 1
     assert played(JOBS, 1) == alone
@@ -109,7 +109,7 @@ def test_frozen_networks_look_once_at_what_is_played_and_kept():
 
 
 def test_validation_draws_at_its_temperature():
-    """Nearly always the best action at a low one."""
+    """At a low temperature it nearly always draws the best action."""
 
     def steps(**options):
         players = Players(noisy_policy(), ENV, 3, max_steps=15, keep_frames=True)

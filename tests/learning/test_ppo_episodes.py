@@ -1,4 +1,4 @@
-"""PPO on whole episodes: what is collected, what is learned from it, and that it can be stopped anywhere."""
+"""PPO on whole episodes: what is collected, how it is learned from, and that it can be stopped anywhere."""
 
 import dataclasses
 import functools
@@ -60,7 +60,7 @@ def test_a_collection_is_played_on_the_device_of_one_s_choice(learner, monkeypat
 
 
 def test_what_is_remembered_of_a_collection_is_what_the_policy_that_played_thinks_of_it(learner):
-    """Played three at once, read one by one: the same probabilities, so that ratios begin at 1."""
+    """Played three at once and read one by one, the probabilities are the same, so ratios start at 1."""
     found, raws = learner(lasting(), lr=1e-9), []
     figures = found.step()
     assert figures["kl"] < 1e-6
@@ -127,7 +127,7 @@ def test_what_was_gained_is_the_sum_of_discounted_rewards(learner):
 
 
 def test_a_share_begins_near_the_end_of_the_solution(learner):
-    """With what was done before kept: the rewards of the steps that it took are those of playing it again."""
+    """The steps before are kept, and the rewards of the policy's own steps are those of a replay."""
     found = learner(lasting(), rollouts={"episodes": 8, "backplay": 0.5, "backplay_steps": 5})
     found.step()
     led = [one for one in found.collected if one.led]
@@ -139,7 +139,7 @@ def test_a_share_begins_near_the_end_of_the_solution(learner):
 
 
 def test_it_learns_what_pays(learner):
-    """Where only blocked moves cost, it stops bumping into things."""
+    """If only blocked moves cost something, it learns to avoid them."""
     env = functools.partial(UcONEnv, "mini", observe="pixels", reward=Reward(success=0, step=0, collision=-1))
     found = learner(lasting(), env=env, rollouts={"temperature": 1.0, "discount": 0.9}, steps=60, lr=0.01)
 
@@ -170,7 +170,7 @@ def test_collections_are_the_same_with_any_number_of_workers(learner):
 
 @pytest.mark.parametrize("at", [1, 2, 3])
 def test_a_run_that_is_killed_goes_on_to_the_same_bytes(learner, tmp_path, at):
-    """In the middle of a collection, before one, and just after one."""
+    """It is killed in the middle of a collection, before one, and just after one."""
 
     class KilledError(Exception):
         pass

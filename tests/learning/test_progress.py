@@ -1,4 +1,4 @@
-"""Logging to Weights & Biases: offline into the run's folder, and never in the way of training.
+"""Logging to Weights & Biases: offline into the run's folder, and without ever disturbing training.
 
 Each run has a process of its own: wandb reads its environment once.
 """
@@ -20,7 +20,7 @@ from ucon.learning.run import run_progress as progress
 from ucon.learning.run.run_progress import wandb_log
 
 ROOT = Path(__file__).parents[2]
-#: Trains the smallest learner in the folder that is named, and logs it.
+#: Trains the smallest learner in the given folder, and logs it.
 TRAIN = """
 import sys
 from pathlib import Path
@@ -39,7 +39,7 @@ LIMIT_S = 120
 
 
 def train(mode, home, run, *, at_a_terminal=False, **env):
-    """Trained with wandb in ``mode``; what was written to standard error, and the seconds it took."""
+    """Train with wandb in ``mode``; returns its standard error (all output at a terminal), and the seconds."""
     of_wandb = {name for name in os.environ if name.startswith("WANDB_")}
     kept = {name: value for name, value in os.environ.items() if name not in of_wandb | {"NETRC"}}
     kept |= {"HOME": str(home), "PYTHONPATH": str(ROOT), **env}
@@ -140,7 +140,7 @@ def test_a_run_that_goes_on_shows_its_best_validation(capsys):
 
 @pytest.mark.parametrize("name", ["ppo", "dagger"])
 def test_a_long_step_says_what_it_is_at(name, tmp_path, monkeypatch, capsys):
-    """With a line for everything, however soon."""
+    """Progress lines are written without any delay between them."""
     monkeypatch.setattr("ucon.core.progress.MOST_S", 0.0)
     learner = tiny_ppo(tmp_path) if name == "ppo" else tiny_dagger(tmp_path)
     with closing(learner), progress.training_progress(name, 1) as show:

@@ -1,4 +1,4 @@
-"""Training runs whose workers are really killed or stopped: they are replaced, and the bytes are the same."""
+"""Training runs with workers that are really killed or stopped: they are replaced, and the bytes stay the same."""
 
 import contextlib
 import os
@@ -16,12 +16,12 @@ from ucon.learning.run.workers import MOST_REPLACED, LearnerWorkerError, Replace
 
 STEPS = 4
 PLAN = Plan(steps=STEPS, validate_every=4, save_every=2)
-#: Seconds in which a dead worker has to be noticed.
+#: Seconds within which a dead worker has to be noticed.
 NOTICED_S = 10.0
 #: Limit for workers that hang, in seconds.
 PATIENCE_S = 4.0
 pytestmark = [
-    pytest.mark.slow,  # workers take seconds to begin
+    pytest.mark.slow,  # workers take seconds to start
     pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no signals that stop a process"),
 ]
 
@@ -53,7 +53,7 @@ def episodes(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory, episodes):
-    """Files of a run that loses nobody; what workers play does not depend on their number."""
+    """Files of a run without losses; its results do not depend on the number of workers."""
     made = {}
 
     def of(make):
@@ -76,7 +76,7 @@ def train(learner, folder, after=lambda step: None):
 
 
 def losing(learner, number, told, steps):
-    """After each of some steps, the first worker gets a signal; ``told`` has its process and when that was."""
+    """After each of ``steps``, send the first worker a signal, and note its process and the time in ``told``."""
 
     def after(step):
         crew = crew_of(learner)
@@ -98,7 +98,7 @@ def be_impatient(crew):
 
 
 def be_patient(crew):
-    """New workers need time to begin."""
+    """Allow time, since new workers need it to start."""
     if hasattr(crew, "_timeout_s"):
         crew._timeout_s = 120.0
     else:
@@ -149,7 +149,7 @@ def test_workers_that_are_lost_again_and_again_end_the_run_in_one_line(tmp_path,
     learner, lost = make(episodes), []
     try:
         with pytest.raises(LearnerWorkerError) as caught:
-            all(step_and_lose(learner, lost) for _ in range(6 * MOST_REPLACED))  # what was played ahead is taken first
+            all(step_and_lose(learner, lost) for _ in range(6 * MOST_REPLACED))  # played ahead
     finally:
         learner.close()
     assert f"(process {lost[-1][0]}): killed by signal 9" in str(caught.value)
@@ -159,6 +159,6 @@ def test_workers_that_are_lost_again_and_again_end_the_run_in_one_line(tmp_path,
 
 def step_and_lose(learner, lost):
     learner.step()
-    with contextlib.suppress(ProcessLookupError):  # that it is gone was not noticed yet
+    with contextlib.suppress(ProcessLookupError):  # its loss may not have been noticed yet
         losing(learner, signal.SIGKILL, lost, {1})(1)
     return True

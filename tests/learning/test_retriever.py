@@ -144,7 +144,7 @@ def test_state_of_another_learner_is_refused(bert):
 
 
 def test_only_training_entries_teach(bert):
-    """Of the whole book: what hundreds of steps read is never a sentence of a val or test entry."""
+    """With the whole book, hundreds of steps never read a sentence of a val or test entry."""
     learner = tiny_learner(bert)
     learner.dataset = book()
     parts = entry_parts(book())

@@ -1,4 +1,4 @@
-"""Experience is what the policy did: its memory goes along, ends with the episode, and is there when it is learned."""
+"""Experience is what the policy did: its memory is carried along, ends with the episode, and is used in learning."""
 
 import functools
 
@@ -33,7 +33,7 @@ def rollouts(policy, episodes, steps, env=ENV, levels=LEVELS):
 
 @pytest.fixture(scope="module")
 def played(episodes):
-    """A policy, and sixty steps of several short episodes by it (it often says Done)."""
+    """A policy, and sixty of its steps in several short episodes (it often says Done)."""
     policy = TinyPolicy()
     policy.choose.bias.data[6] += 1.0
     batch = rollouts(policy, episodes, 60).collect(3)
@@ -42,7 +42,7 @@ def played(episodes):
 
 
 def remembered(policy, batch):
-    """Whether every step of (1, T) was played with the memory of the steps before it in its episode, and no other."""
+    """Whether every step of (1, T) was played with exactly the memory of the steps before it in its episode."""
     state = policy.initial_state(1)
     for t in range(batch.shape[1]):
         step = batch[:, t]
@@ -73,7 +73,7 @@ def test_memory_that_is_lost_or_leaks_would_be_found(played, episodes, fault):
     policy, _ = played
     made = rollouts(policy, episodes, 40)
     if fault == "dropped":
-        made._actor[0].names = ()  # reads none: writes none
+        made._actor[0].names = ()  # it reads no state and writes none
         policy_state = policy.initial_state(1)
         made._playing.forward = functools.partial(_forgetful, made._playing, policy_state)
     else:
@@ -86,7 +86,7 @@ def _forgetful(policy, state, frames, context, given):
 
 
 def _leaking(make):
-    """Its primer does nothing where an episode begins but the first."""
+    """A maker of environments in which the memory is not reset at later episodes."""
     env = make()
     primer = env.transform[1]
     fresh, count = primer.default_value, []
@@ -108,7 +108,7 @@ def test_a_primer_that_is_left_out_is_noticed_at_once(played, episodes):
 
 @pytest.mark.parametrize("chunk", [1, 7, 100])
 def test_what_is_learned_from_is_what_was_played(played, chunk):
-    """Read again in sequences, the policy gives the same probabilities: nothing of its memory was lost or leaked."""
+    """Read again in sequences, the policy gives the same probabilities, so no memory was lost or leaked."""
     policy, batch = played
     experience = Experience(batch, 0.9, 0.8, chunk)
     seen = 0
@@ -166,7 +166,7 @@ def test_torchrl_accepts_the_environment(kind, episodes):
 
 
 def test_views_that_are_not_offered_are_never_chosen(episodes):
-    policy = ViewPolicy(narrow_habit_policy(use_prior=False))  # all that are offered are about as likely
+    policy = ViewPolicy(narrow_habit_policy(use_prior=False))  # all offered views are about equally likely
     batch = rollouts(policy, episodes, 40, SEARCH).collect(0)
     offered = batch["frames", "action_mask"]
     assert bool(offered.gather(2, batch["action"][..., None]).bool().all())

@@ -1,4 +1,4 @@
-"""A run that is stopped anywhere goes on to the same bytes."""
+"""A run that is stopped anywhere and continued ends in the same bytes."""
 
 import hashlib
 import json
@@ -26,7 +26,7 @@ def begun(folder, learner=None, plan=PLAN):
 
 
 def files(folder):
-    """Everything in a folder but what it took."""
+    """All files in a folder except the one with the seconds it took."""
     found = {p.relative_to(folder).as_posix(): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
     assert "seconds" in json.loads(found.pop(SECONDS))
     return found
@@ -85,7 +85,7 @@ def test_a_killed_process_loses_only_what_it_does_again(whole, tmp_path):
     with pytest.raises(KilledError):
         begun(tmp_path / "run", learner).run()
     with (tmp_path / "run" / METRICS).open("a") as file:
-        file.write('{"loss": 1.0, "st')  # cut off in mid-write
+        file.write('{"loss": 1.0, "st')  # cut off while being written
     again = TrainingRun(tmp_path / "run", Line(), PLAN, {"config": "x"})
     again.resume()
     assert again.step == 12
@@ -132,7 +132,7 @@ def test_seconds_of_interrupted_calls_are_added_up(tmp_path, monkeypatch):
 
     with pytest.raises(Interrupted):
         begun(tmp_path, stepping(7)).run()
-    for seconds in (230.0, 230.0):  # to the end, and when it is asked to go on though it has ended
+    for seconds in (230.0, 230.0):  # until the end, and when continued after the end
         again = TrainingRun(tmp_path, stepping(None), PLAN, {"config": "x"})
         again.resume()
         assert "seconds" not in again.run()
@@ -141,7 +141,7 @@ def test_seconds_of_interrupted_calls_are_added_up(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("name", ["summary.json", "model", "episodes.jsonl.partial", "episodes.jsonl.xz"])
 def test_results_of_others_are_not_overwritten(tmp_path, name):
-    """Those of an evaluation, or a finished run whose checkpoints are gone."""
+    """The results of an evaluation, or of a finished run whose checkpoints are gone."""
     (tmp_path / name).write_text("mine")
     with pytest.raises(ConfigError, match=rf"{name} belongs to another run and would be overwritten; choose another"):
         begun(tmp_path)
@@ -161,7 +161,7 @@ def test_an_earlier_checkpoint_may_be_chosen(whole, tmp_path):
 def test_a_run_whose_best_is_gone_finds_another(whole, tmp_path):
     run = begun(tmp_path / "run")
     run.run()
-    for path in run.checkpoints.all()[:-1]:  # as by hand
+    for path in run.checkpoints.all()[:-1]:  # as if deleted by hand
         shutil.rmtree(path)
     (run.checkpoints.folder / BEST).unlink()
     longer = Plan(steps=28, validate_every=5, save_every=3)

@@ -1,4 +1,4 @@
-"""Weights of a network in a folder: whole, of the right network, or one line that says what is wrong."""
+"""Weights of a network in a folder: whole and of the right network, or refused with one line that says why."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Net(nn.Module):
     def __init__(self, width: int = 3, tokens: str = "gt") -> None:
         super().__init__()
         self.linear = nn.Linear(width, 2)
-        self.register_buffer("count", torch.tensor(100_000))  # more than fp16 holds
+        self.register_buffer("count", torch.tensor(100_000))  # more than fp16 can represent
         self.arguments = {"tokens": tokens}
 
 
@@ -45,7 +45,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def change(folder: Path, name: str, make: Callable[[bytes], bytes], *, sealed: bool) -> None:
-    """Change a file; ``sealed``: with a manifest that knows it, as only its maker could."""
+    """Change a file; with ``sealed``, also the manifest, as only its maker could."""
     (folder / name).write_bytes(make((folder / name).read_bytes()))
     if sealed:
         write_manifest(folder, (WEIGHTS, CONFIG))
@@ -69,7 +69,7 @@ def test_how_many_habits_it_learned_from_comes_back_with_it(folder: Path, tmp_pa
     made.max_habits, found.max_habits = 1500, MAX_HABITS
     load_network(str(written(tmp_path, network_files(made))), found)
     assert found.max_habits == 1500
-    load_network(str(folder), found)  # a file that says nothing of it
+    load_network(str(folder), found)  # a file without this number
     assert found.max_habits == MAX_HABITS
     change(folder, CONFIG, lambda raw: raw.replace(b'"format"', b'"max_habits": "many", "format"'), sealed=True)
     with pytest.raises(DataError, match="does not describe a network"):
@@ -168,7 +168,7 @@ def test_what_is_no_number_is_not_saved() -> None:
 
 
 def refused(folder: Path, message: str) -> None:
-    """In one line; the network stays as it was."""
+    """Assert that loading is refused in one line and leaves the network unchanged."""
     network = Net()
     before = {name: tensor.clone() for name, tensor in network.state_dict().items()}
     with pytest.raises(DataError, match=message) as caught:

@@ -1,4 +1,4 @@
-"""Reading places in sentences by where things are kept, where nothing says which sentence tells it."""
+"""Learning to read places in sentences from where things are kept, without labels of which sentence says it."""
 
 from dataclasses import replace
 from functools import partial
@@ -31,7 +31,7 @@ QUICK = SceneRecipe(epochs=1)
 
 @pytest.fixture(scope="module")
 def cache(tmp_path_factory):
-    """A user's cache of its own, kept for all tests of this file."""
+    """A separate user cache, shared by all tests of this file."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("UCON_CACHE", str(tmp_path_factory.mktemp("cache")))
         yield
@@ -39,7 +39,7 @@ def cache(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def data():
-    """Two homes with entries of the book; that it says which sentence tells what is not looked at."""
+    """Two homes with entries of the book, whose labels are not used."""
     return replace(in_two_homes(), standing={"home_0": ("unicorn",), "home_1": ("griffin",)})
 
 
@@ -71,7 +71,7 @@ def test_learns_which_places_sentences_speak_for(places, data):
     right = np.mean([places.known[row.argmax()] == anchor for row, (_, anchor) in zip(said, told, strict=True)])
     silent = [h.text for e in of_part(data, "test") for h in e.habits if not h.supports]
     assert len(told) > 60
-    assert right > 0.4  # of a hundred anchors; never told which sentence speaks for which
+    assert right > 0.4  # of a hundred anchors, without labels
     assert np.median(said.max(1)) > 3 * np.median(places.read(silent).place)
 
 
@@ -108,7 +108,7 @@ def test_is_fitted_once(folder, data):
         cached_scene_evidence(data, of_part(data, "train")[1:], default_pair_reader(), QUICK, _never)
     with pytest.raises(
         AssertionError, match="minutes, once"
-    ):  # what stands in a home decides what is asked about there
+    ):  # the furniture of a home decides which places are asked about
         cached_scene_evidence(replace(data, standing={}), of_part(data, "train"), default_pair_reader(), QUICK, _never)
 
 
@@ -199,7 +199,7 @@ def test_entries_of_a_step_differ_in_category(data):
 
 
 def test_each_entry_has_one_distribution():
-    """The probabilities of an entry's places add up to 1, entry by entry."""
+    """The probabilities of places add up to 1 for each entry."""
     asked = SimpleNamespace(usual=torch.full((2, 2), 0.5), truth=torch.eye(2))
     loss = scene_fitting._places_loss(torch.tensor([[1.0, 0.0], [1.0, 3.0]]), asked, torch.tensor(0.0))
     assert float(loss) == pytest.approx(-(np.log(1.5 / 2) + np.log(3.5 / 5)) / 2)

@@ -1,4 +1,4 @@
-"""Whole episodes in chunks: nothing is lost between them, and nothing goes from one episode to another."""
+"""Whole episodes in chunks: nothing is lost between chunks, and nothing leaks from one episode to another."""
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ def logits_of(policy, pairs, steps, state_of=detached_state):
 
 
 def test_chunks_and_company_change_nothing(pairs):
-    """A chunked batch gives what each episode gives by itself in one piece; a state that is lost would not."""
+    """A chunked batch gives the same as each episode alone in one piece, so no state is lost."""
     policy = TinyPolicy().eval()
     alone = {}
     for pair in pairs:
@@ -130,7 +130,7 @@ def test_the_loss_is_that_of_torch_over_labels_and_steps(pairs):
 
 
 def test_sums_are_where_the_frames_are():
-    """There is no GPU here; tensors without memory show where they would be."""
+    """There is no GPU here, so meta tensors show on which device the sums would be."""
     assert _told({"rgb": torch.zeros(2, 3, device="meta")}).device.type == "meta"
     assert not _told({"rgb": torch.zeros(2, 3)}).any()
 

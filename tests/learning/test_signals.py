@@ -1,4 +1,4 @@
-"""Real learners that get a signal at every place of a run: it is saved within seconds and goes on to the same bytes."""
+"""Real learners that get a signal anywhere in a run: they save within seconds and continue to the same bytes."""
 
 import os
 import signal
@@ -15,7 +15,7 @@ from ucon.learning.run.training_run import Interrupted, Plan, TrainingRun
 
 STEPS = 5
 PLAN = Plan(steps=STEPS, validate_every=4, save_every=2, keep=2)
-#: Seconds from the signal to the end that we promise.
+#: Promised limit on the seconds from the signal to the end.
 MOST_S = 5.0
 
 
@@ -40,7 +40,7 @@ def ppo_in_workers(episodes):
     return ppo(episodes, collector=InWorkers(2), levels=("none",))
 
 
-#: Where the signal comes: the learner, an object in it, its method, and in which of the calls of that.
+#: Where the signal comes: the learner, an object of the run, its method, and the number of the call.
 PLACES = {
     "validating the initial state": (imitation, lambda run: run.learner.validation, "played", 1),
     "before the first step": (ppo, lambda run: run.learner, "step", 1),
@@ -60,13 +60,13 @@ SLOW = pytest.mark.slow
 
 
 def cases(places):
-    """Each place with both signals, in time and too late: one ordinary case of each learner, the others slow."""
+    """Each place with both signals, with and without a hang; one case per learner is ordinary, the others slow."""
     quick = {("before the first step", False), ("validating", True), ("saving", False)}
     for place in places:
         for number in SIGNALS:
             for hangs in (False, True):
                 if hangs and place == "saving":
-                    continue  # what is being saved is never abandoned
+                    continue  # a save in progress is never abandoned
                 ordinary = (place, hangs) in quick and number == SIGNALS[hangs]
                 name = f"{place}-{number.name}{'-hangs' if hangs else ''}"
                 yield pytest.param(place, number, hangs, id=name, marks=() if ordinary else SLOW)
@@ -79,7 +79,7 @@ def episodes(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory, episodes):
-    """Files of a run that gets no signal, by the function that makes its learner."""
+    """Files of a run without a signal, by the function that makes its learner."""
     made = {}
 
     def of(make):
@@ -93,7 +93,7 @@ def whole(tmp_path_factory, episodes):
 
 
 def begun(make, episodes, folder, prepare=lambda run: None, resume=False):
-    """Begin or go on with a run until it ends."""
+    """Start or continue a run until it ends."""
     learner = make(episodes)
     run = TrainingRun(folder, learner, PLAN, {})
     try:
@@ -105,7 +105,7 @@ def begun(make, episodes, folder, prepare=lambda run: None, resume=False):
 
 
 def disturb(owner, method, call, number, hangs, told):
-    """In one call of a method of ``owner`` a signal comes; it may hang then, which only another signal ends."""
+    """Send a signal in one call of a method of ``owner``; with ``hangs``, the call then sleeps for a minute."""
     done, calls = getattr(owner, method), 0
 
     def disturbed(*args, **options):
@@ -125,7 +125,7 @@ def disturb(owner, method, call, number, hangs, told):
 def test_a_signal_at_any_place_is_saved_in_time_and_the_rest_is_the_same(
     monkeypatch, tmp_path, episodes, whole, place, number, hangs
 ):
-    """Where it hangs it is abandoned, and done again when the run goes on."""
+    """A step that hangs is abandoned, and repeated when the run continues."""
     monkeypatch.setattr(stopping, "GRACE_S", 0.2)
     make, owner, method, call = (PLACES | WITH_WORKERS)[place]
     folder, told = tmp_path / "run", []
@@ -148,7 +148,7 @@ def test_a_signal_at_any_place_is_saved_in_time_and_the_rest_is_the_same(
 
 
 def test_an_error_in_the_wake_of_abandoning_hides_nothing(monkeypatch, tmp_path, episodes):
-    """As TorchRL raises one where the start of its workers is left by an exception."""
+    """As TorchRL does when an exception interrupts the start of its workers."""
     monkeypatch.setattr(stopping, "GRACE_S", 0.2)
 
     def prepare(run):
@@ -169,7 +169,7 @@ def test_an_error_in_the_wake_of_abandoning_hides_nothing(monkeypatch, tmp_path,
 def test_a_step_that_goes_on_is_abandoned_in_three_seconds_and_the_state_before_it_is_saved(
     monkeypatch, tmp_path, episodes, whole
 ):
-    """With the time that users get, in a step before which nothing was saved to the disk."""
+    """With the real grace period, in a step before which nothing was saved to disk."""
     monkeypatch.setattr("ucon.learning.run.training_run._SLOW_S", 0.0)
     folder, told = tmp_path / "run", []
     with pytest.raises(Interrupted) as stopped:

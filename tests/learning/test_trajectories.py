@@ -1,4 +1,4 @@
-"""Trajectories as data, their replays, and what memory and workers must not change."""
+"""Trajectories as data and their replays, which must not depend on memory and workers."""
 
 import signal
 import subprocess
@@ -81,14 +81,14 @@ def test_actions_after_the_end_are_refused():
 
 
 def test_what_is_kept_is_what_was_made():
-    """Scalars stay scalars, and numbers their kind."""
+    """Scalars stay scalars, and dtypes stay the same."""
     arrays = {"a": np.array(3), "b": np.zeros((2, 3), np.float16).T, "c": np.array([True, False])}
     replay = Replay(arrays, arrays, np.ones(2, np.float32))
     assert same(_unpacked(_packed(replay)), replay)
 
 
 class Counting(TinyPolicy):
-    """Counts what its frozen part is asked for."""
+    """Counts the calls of its frozen part."""
 
     def __init__(self):
         super().__init__()
@@ -142,8 +142,8 @@ def test_changes_are_against_what_was_done():
 
 
 def waiting(episodes):
-    """A learner with a worker, which waits to be killed."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # what a shell starts in the background ignores it
+    """Start a worker and wait to be killed."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # background jobs of a shell ignore it
     feeder = Feeder(TinyPolicy(), ENV, workers=1)
     print(next(feeder([[demonstration(episodes[0], "none")]] * 9))[0][1].rewards.sum(), flush=True)  # noqa: T201
     time.sleep(600)
@@ -152,7 +152,7 @@ def waiting(episodes):
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_workers_end_with_their_learner(number):
-    """Nothing is left running, whatever ends it."""
+    """No worker is left running, whatever ends the learner."""
     code = "from tests.learning.test_trajectories import *; waiting(EPISODES) if __name__ == '__main__' else None"
     learner = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
     assert learner.stdout is not None

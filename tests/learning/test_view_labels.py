@@ -1,4 +1,4 @@
-"""Labels of views, by an agent that searches: against what it chose from, and in collections and losses."""
+"""Labels of views by a searching agent: against its decisions, in collections and in losses."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ def shown() -> UcONEnv:
 
 
 class Learns(TinyPolicy):
-    """One that learns from views."""
+    """A policy that learns from labels of views."""
 
     learns_views = True
 
 
 @pytest.fixture(scope="module")
 def search():
-    """An agent, and the label of every step of one search with the pose and what it chose from."""
+    """For every step of one search: label, pose, decision, goal and action."""
     env, expert, found = shown(), SearchingExpert(agent := BeliefAgent()), []
     obs, info = env.reset(options={"episode": EPISODES[1], "habit_level": "retrieval"})
     expert.begin(0, EPISODES[1], env, info)
@@ -55,7 +55,7 @@ def search():
 
 
 def placed(label: np.ndarray, here) -> list[tuple[int, int, int]]:
-    """Cells and headings on the map of the views of a label."""
+    """Map cells and headings of the views in a label."""
     rows = label[label[:, 3] > 0].astype(int)
     cos, sin = ((1, 0), (0, 1), (-1, 0), (0, -1))[here.heading]
     i, j = here.i + cos * rows[:, 0] - sin * rows[:, 1], here.j + sin * rows[:, 0] + cos * rows[:, 1]
@@ -123,7 +123,7 @@ def collected(policy):
 
 
 def test_labels_are_the_same_when_a_trajectory_is_played_again() -> None:
-    """Half of the actions are not the expert's, so plans are made anew in between."""
+    """Half of the actions are not the expert's, so it has to plan again in between."""
     collector, played = collected(Learns())
     assert any(trajectory.actions != trajectory.labels for trajectory, _ in played)
     for trajectory, replay in played:

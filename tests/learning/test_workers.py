@@ -1,4 +1,4 @@
-"""Workers compute with one thread each, whatever their environment says, and none is waited for for ever."""
+"""Workers compute with one thread each, whatever their environment says, and none is waited for forever."""
 
 import functools
 import multiprocessing
@@ -24,7 +24,7 @@ from ucon.task.sets import load_episodes
 
 @pytest.fixture(autouse=True)
 def three_threads(monkeypatch):
-    """What a worker would compute with, did it not choose, on a machine that has as many."""
+    """The number of threads that a worker would otherwise use."""
     for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         monkeypatch.setenv(name, "3")
 
@@ -48,7 +48,7 @@ def test_a_worker_begins_with_one_thread():
 
 
 class Counting(TinyPolicy):
-    """Shows the number of threads in place of what is seen; knows of no other."""
+    """A policy whose frames show the number of threads."""
 
     def frame(self, observation, info):
         shown = super().frame(observation, info)
@@ -76,11 +76,11 @@ def test_those_who_gather_experience_have_one(tmp_path):
     assert {int(tensor.max()) for tensor in batch["frames"].values()} == {1}
 
 
-SLOW = pytest.mark.slow  # workers take seconds to begin
+SLOW = pytest.mark.slow  # workers take seconds to start
 
 
 def stop(processes, number):
-    """Send a signal to the first of some processes; its id."""
+    """Send a signal to the first of some processes, and return its id."""
     first = next(iter(processes))
     os.kill(first.pid, number)
     return first.pid
@@ -128,7 +128,7 @@ def test_who_plays_ahead_of_learning_is_not_waited_for_for_ever(monkeypatch, tmp
         learner.feeder._timeout_s = 3.0
         pid = stop(learner.feeder._workers(), number)
         with pytest.raises(LearnerWorkerError, match=message.format(pid=pid)) as caught:
-            all(learner.step() for _ in range(8))  # what was made ahead is taken first
+            all(learner.step() for _ in range(8))  # results that were made ahead are used first
         assert "\n" not in str(caught.value)
     finally:
         learner.close()
@@ -136,8 +136,8 @@ def test_who_plays_ahead_of_learning_is_not_waited_for_for_ever(monkeypatch, tmp
 
 @pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL, signal.SIGCONT])
 def test_who_does_not_answer_is_named_and_ended(monkeypatch, number):
-    """Of two that sleep: the stopped one, the killed one, or both, which only take too long."""
-    context = multiprocessing.get_context("fork")  # which runs nothing of ours
+    """Of two sleeping workers: the stopped one, the killed one, or both if they merely take too long."""
+    context = multiprocessing.get_context("fork")  # which does not run our start-up code
     workers = [context.Process(target=time.sleep, args=(600,), daemon=True) for _ in range(2)]
     for worker in workers:
         worker.start()
@@ -155,7 +155,7 @@ def test_who_does_not_answer_is_named_and_ended(monkeypatch, number):
 
 
 def wait_for(workers):
-    """As those who hand out work do, and never learn that somebody is gone."""
+    """Wait for an answer that never comes, as those who hand out work do."""
     ask(threading.Event().wait, 3.0, lambda: workers, "x")
 
 

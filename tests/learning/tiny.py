@@ -1,4 +1,4 @@
-"""Small real things to train: a random BERT of MiniLM's architecture, a piece of the habit book, a line."""
+"""Small real things to train: a random BERT of MiniLM's architecture, a part of the habit book, a line."""
 
 import shutil
 from functools import cache
@@ -21,7 +21,7 @@ def some_habits(step: int = 12) -> HabitDataset:
 
 
 def write_tiny_bert(folder, layers=2, width=24):
-    """Random weights in ``folder``, with the real tokenizer."""
+    """Write a model with random weights and the real tokenizer to ``folder``."""
     from transformers import BertConfig, BertModel
 
     torch.manual_seed(0)
@@ -39,7 +39,7 @@ def tiny_learner(folder, **options) -> RetrieverLearner:
 
 
 class Line:
-    """Fits a line by momentum: a learner in the smallest form, whose batches depend on its step alone."""
+    """The smallest learner: fits a line by gradient descent with momentum; batches depend only on the step."""
 
     def __init__(self, data: str = "a") -> None:
         self.weight, self.speed, self.done = torch.zeros(2), torch.zeros(2), 0

@@ -23,7 +23,7 @@ ENV = functools.partial(UcONEnv, "mini", observe="pixels")
 
 
 class TinyPolicy(PolicyModule):
-    """Sees depth in 16 x 16, its last action, and how many habits there are."""
+    """Sees depth at 16 x 16, its last action, and the number of habits."""
 
     architecture = "tiny"
     uses_habits = True
@@ -56,7 +56,7 @@ class TinyPolicy(PolicyModule):
 
 
 class Stays(TinyPolicy):
-    """Says where it was sent to, and stays: there is no GPU here."""
+    """Notes the device that it is sent to, but stays, since there is no GPU here."""
 
     def to(self, device):
         self.sent = device
@@ -64,13 +64,13 @@ class Stays(TinyPolicy):
 
 
 def on_a_gpu(monkeypatch):
-    """Let torch speak as on a machine with one card that has bfloat16."""
+    """Make torch report a GPU with bfloat16."""
     monkeypatch.setattr(torch.cuda, "is_available", lambda: True)
     monkeypatch.setattr(torch.cuda, "get_device_capability", lambda device=None: (9, 0))
 
 
 class Counting(TinyPolicy):
-    """Counts the frames that it is told to take in, all of which show something."""
+    """Counts the frames given for statistics, none of which may be padding."""
 
     n_seen = 0
 

@@ -1,4 +1,4 @@
-"""Small real learners by PPO: of the tiny policy over the seven actions, and of a narrow habit policy."""
+"""Small real PPO learners: with the tiny policy over the seven actions, and with a narrow habit policy."""
 
 import functools
 
@@ -19,7 +19,7 @@ def narrow_habit_policy(seed=0, **options):
 
 
 def tiny_ppo(folder, policy=None, **options):
-    """Sixty steps of the environment are learned from at once."""
+    """A PPO learner that learns from sixty steps of the environment at a time."""
     validation = {"episodes": "mini", "n_play": 2, "max_steps": 8, "slots": 2} | options.pop("validation", {})
     standard = {"steps": 20, "frames": 60, "minibatch": 24, "chunk": 8, "lr": 5e-3, "discount": 0.95}
     standard |= {"episodes": options.pop("episodes", None) or training_file(folder), "levels": LEVELS}

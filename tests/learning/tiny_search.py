@@ -1,4 +1,4 @@
-"""Makes the environment that a learner from decisions searches in, by its own configuration."""
+"""The environment in which a learner from decisions searches, as its configuration says."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 def search_of(learner: str) -> Factory:
-    """The maker of environments of ``learner=NAME``."""
+    """The factory of environments of ``learner=NAME``."""
     with initialize_config_dir(str(CONFIGS), version_base="1.3"):
         config = compose("train", overrides=["agent=habit_policy", f"learner={learner}", "out=runs/test"])
     return Factory(OmegaConf.to_container(config.search, resolve=True))

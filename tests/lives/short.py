@@ -1,4 +1,4 @@
-"""Lives of the mini set cut short, so that tests play a few requests alone."""
+"""Shortened lives of the mini set, so that tests play only a few requests."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ucon.lives.clock import N_SLOTS
 from ucon.lives.life import Life
 from ucon.lives.sets import load_lives
 
-#: Lives of the mini set in small homes, in both of which habits change.
+#: Lives of the mini set in small homes; habits change in both.
 SMALL = (1, 3)
 
 
@@ -16,9 +16,9 @@ def short_life(number: int = SMALL[0], requests: int = 6, days: int = 2) -> Life
     """The first requests of a life of the mini set.
 
     Args:
-        number: of the life.
-        requests: how many of them.
-        days: of the short life; where habits change, they do on its last day.
+        number: number of the life.
+        requests: number of requests.
+        days: days of the short life; if habits change, they do so on the last day.
     """
     life = load_lives("lives_mini")[number]
     return replace(

@@ -1,4 +1,4 @@
-"""Where an observer expects things who knows the rules of a household."""
+"""Where an observer who knows a household's rules expects things."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ucon.lives.timeline import Timeline
 
 
 def draws(count: int, ago: int | None) -> list[tuple[float, float]]:
-    """Probability of the true place, and what that should be in the mean, of things last seen some slots ago."""
+    """For things last seen ``ago`` slots ago: the probability of the true place, and its expected value."""
     rng, book = np.random.default_rng(0), contexts_book()
     lives = [(life, Timeline(life)) for life in load_lives("lives_val")[:6]]
     found = []
@@ -34,7 +34,7 @@ def draws(count: int, ago: int | None) -> list[tuple[float, float]]:
 
 @pytest.mark.parametrize("ago", [1, 4, 10, None])
 def test_it_is_calibrated(ago: int | None) -> None:
-    """If things are where it says, its probability of the true place is p . p in the mean."""
+    """If things are distributed as p says, the mean probability of the true place is p . p."""
     got, due = np.array(draws(250, ago)).T
     assert got.mean() == pytest.approx(due.mean(), abs=0.055)
     assert due.mean() > 0.4

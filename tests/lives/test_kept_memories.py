@@ -1,4 +1,4 @@
-"""Memories in folders: the same after a kill, given to lives, refused where they do not fit, and what they know."""
+"""Memories in folders: equal after a kill, given to lives, refused if they do not fit, and what they know."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def run_of(base: Path, *words: str, out: str = "run") -> Evaluation:
 
 @pytest.fixture(scope="module")
 def kept(base: Path, life: Life) -> Path:
-    """The folder of the memory of a whole run; beside it the run, and its partial file."""
+    """The folder with the memory of a whole run; next to it, the run and its partial file."""
     patch, finish = pytest.MonkeyPatch(), RunFolder.finish
 
     def keep_partial(self: RunFolder, *arguments: Any) -> None:
@@ -117,7 +117,7 @@ def test_folders_that_do_not_fit_are_refused_in_one_line(tmp_path: Path) -> None
 
 
 def perfect(life: Life) -> SightingLog:
-    """The log of a robot that sees all things in every slot."""
+    """The log of a robot that sees everything in every slot."""
     log, truth, timeline = SightingLog(), Truth.of(life), Timeline(life)
     for time in range(3 * life.days):
         for k, one in enumerate(life.possessions):

@@ -1,4 +1,4 @@
-"""Lives as data: stored and read again, refused where they cannot be right, and what a home is like at a time."""
+"""Lives as data: stored and read back, refused if inconsistent, and the state of a home at a given time."""
 
 import json
 from dataclasses import replace
@@ -99,7 +99,7 @@ def test_a_request_starts_where_the_robot_stands(life):
 
 
 def _goal(asking, episode):
-    """A free node next to the dock: the path from there differs by a move at most."""
+    """A free node next to the start: the path from there differs by at most one move."""
     free = SceneState(asking.house, episode.arrangement).free
     i, j = episode.start.i, episode.start.j
     return next((i + di, j + dj) for di, dj in ((1, 0), (-1, 0), (0, 1), (0, -1)) if free[i + di, j + dj])
@@ -186,7 +186,7 @@ def test_a_file_that_was_cut_is_refused(tmp_path):
 
 
 def test_a_robot_never_begins_in_a_corner_without_a_way_out(life):
-    """Wherever it stopped, it can go to its dock: a pocket that things close is none to begin in."""
+    """From every starting node there is a way to the dock: no request begins in a pocket closed off by things."""
     asking, timeline = Asking(life, contexts_book()), Timeline(life)
     for number in (0, len(life.requests) // 2, len(life.requests) - 1):
         free = SceneState(asking.house, timeline.arrangement(life.requests[number].time)).free
@@ -197,7 +197,7 @@ def test_a_robot_never_begins_in_a_corner_without_a_way_out(life):
 
 
 def test_a_robot_gets_out_of_a_pocket(life):
-    """All free nodes around a node are closed off by hand: it is put outside."""
+    """If all free nodes around its node are blocked, the robot is put outside."""
     asking = Asking(life, contexts_book())
     time, dock = life.requests[0].time, (life.dock.i, life.dock.j)
     free = SceneState(asking.house, asking.timeline.arrangement(time)).free

@@ -1,4 +1,4 @@
-"""Records of requests: the facts of a life go to a line and back, episodes keep their bytes, intervals draw lives."""
+"""Records of requests: facts of a life survive storage, episodes keep their bytes, intervals resample lives."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def test_dataclasses_within_dataclasses_are_read() -> None:
 
 
 def test_intervals_of_lives_draw_lives() -> None:
-    """Ten lives, in each of which all ends alike: forty requests say no more than ten."""
+    """Ten lives in which all requests end alike: forty requests carry no more information than ten."""
     records = [of_life(k, f"home/{k // 4}", success=k // 4 % 2 == 0) for k in range(40)]
     lives = lives_of(records)
     assert lives == [f"home/{k // 4}" for k in range(40)]
@@ -154,7 +154,7 @@ def test_the_label_names_the_memory() -> None:
 
 
 def test_who_reads_no_habits_plays_by_their_news_where_the_memory_does() -> None:
-    """Runs at two habit levels are one only where nobody makes anything of what is told."""
+    """Runs at different habit levels are the same only if neither agent nor memory uses habits."""
 
     def uses(memory: Any) -> bool:
         return parts_of(FrontierAgent(), GtDetector(), memory).uses_habits

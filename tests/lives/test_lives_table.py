@@ -13,7 +13,7 @@ RUNS = Path(__file__).parents[2] / "results"
 
 
 def test_runs_of_one_agent_are_told_apart(capsys: pytest.CaptureFixture[str]) -> None:
-    """A patrol is no part of an agent's name."""
+    """A patrol is not part of an agent's name, so the names of the runs tell them apart."""
     runs = [str(RUNS / name) for name in ("resident-sightings", "resident-sightings-patrol")]
     assert main(["lives", "table", "--markdown", *runs]) == 0
     head, _, every, *_ = capsys.readouterr().out.splitlines()

@@ -1,4 +1,4 @@
-"""Making lives: the same for a seed, places that fit together, people who keep to their habits but for mistakes."""
+"""Making lives: equal for equal seeds, consistent places, and people who follow their habits except for mistakes."""
 
 from dataclasses import replace
 from itertools import combinations

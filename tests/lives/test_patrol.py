@@ -1,4 +1,4 @@
-"""Steps to look around before the first request of a day: nothing of the request is told, and it begins from there."""
+"""Steps to look around before the first request of a day: they reveal nothing of it, and it begins where they end."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ assert ucon.envs
 
 STEPS = 12
 WALK = (0, 0, 1, 0, 2, 3, 5, 4, 0, 0, 2)
-#: Told of a frame on a patrol.
+#: Keys of info on a patrol.
 ALLOWED = {
     "target", "episode", "task", "habit_level", "habits", "nav", "depth", "camera_m", "fov_deg", "detections", "tracks",
     "opened", "clock", "patrol",
@@ -82,7 +82,7 @@ def test_nothing_of_the_request_is_told(frames: list[tuple[Any, Any]]) -> None:
 
 @pytest.mark.parametrize("detector", [GtDetector, NoisyDetector])
 def test_whatever_is_asked_for_the_walk_is_the_same(life: Life, detector: Any) -> None:
-    """Another first request, for another thing, by another person: every frame of the patrol keeps its bytes."""
+    """If the first request is for another thing, every frame of the patrol is the same to the byte."""
     first, others = life.requests[0], {one.possession for one in life.requests}
     other = next(k for k in others if k != first.possession)
     asked = replace(life, requests=(replace(first, possession=other), *life.requests[1:]))
@@ -187,7 +187,7 @@ def test_torchrl_accepts_it(life: Life) -> None:
 
 @pytest.mark.parametrize("memory", [None, MapMemory])
 def test_who_remembers_no_places_walks_none(life: Life, memory: Any) -> None:
-    """The records are those without a patrol, to the byte."""
+    """The records equal those without a patrol, to the byte."""
     found = []
     for patrol in (0, 150):
         env = partial(made, life, patrol=patrol)

@@ -1,4 +1,4 @@
-"""``eval.py task=resident``: the same records whoever plays them, and after an interruption within a life."""
+"""``eval.py task=resident``: the same records with any workers, and after an interruption within a life."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from ucon.memory.map_memory import MapMemory
 from ucon.memory.sightings_memory import SightingsMemory
 from ucon.programs.evaluating import Evaluation
 
-#: Requests of each of the two lives.
+#: Number of requests in each of the two lives.
 EACH = 5
 
 
@@ -49,7 +49,7 @@ def run_of(base: Path, out: Path, *words: str, agent: str = "frontier", memory: 
 
 @pytest.fixture(scope="module")
 def whole(base: Path) -> Path:
-    """The folder of a run without interruption; beside it its partial file as it was at the end."""
+    """The folder of an uninterrupted run; next to it, its partial file as it was at the end."""
     patch, finish = pytest.MonkeyPatch(), RunFolder.finish
 
     def keep_partial(self: RunFolder, *arguments: Any) -> None:
@@ -84,7 +84,7 @@ def test_workers_and_batch_change_no_record(base: Path, whole: Path, word: str, 
     assert (tmp_path / "run" / DECISIONS).read_bytes() == (whole / DECISIONS).read_bytes()
 
 
-#: Requests that were finished: from the first on, within the second life, as two workers leave them, with gaps.
+#: Finished requests: the first ones, up to the second life, as two workers leave them, and with gaps.
 KEPT = [(0, 1, 2), (0, 1, 2, 3, 4, 5), (0, 5, 6), (1, 3, 9)]
 
 
@@ -158,7 +158,7 @@ def spec(agent: Any, life: Any, memory: Any, **options: Any) -> RunSpec:
 
 
 class Listening(FrontierAgent):
-    """Notes the names of all that it is told."""
+    """Notes the keys of every info that it gets."""
 
     told: set[str] = set()  # noqa: RUF012 (of all instances: the runner makes them)
 

@@ -1,4 +1,4 @@
-"""``UcONResident-v0``: the contract of Gymnasium, requests that follow one another, and no privileged fact."""
+"""``UcONResident-v0``: Gymnasium's contract, requests that follow one another, and no privileged information."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def made(life: Life, **options: Any) -> UcONResidentEnv:
 
 
 def lived(env: UcONResidentEnv) -> Iterator[tuple[Pose, Any, Any]]:
-    """True pose, observation and info of every frame of a life, as the oracle plays it."""
+    """True pose, observation and info of every frame of a life played by the oracle."""
     agent, over = OracleAgent(), False
     observation, info = env.reset(seed=0)
     while True:
@@ -66,7 +66,7 @@ def frames(life: Life) -> list[tuple[Pose, Any, Any]]:
 
 @pytest.fixture(scope="module")
 def begun(frames: list[tuple[Pose, Any, Any]]) -> list[int]:
-    """Numbers of the frames with which requests begin."""
+    """Indices of the frames in which requests begin."""
     return [k for k, (_, _, info) in enumerate(frames) if info.get("new_request")]
 
 
@@ -147,7 +147,7 @@ def test_the_robot_begins_where_it_stopped_and_in_the_morning_at_its_dock(
     life: Life, frames: list[tuple[Pose, Any, Any]], begun: list[int]
 ) -> None:
     days = [day_and_slot(asked.time)[0] for asked in life.requests]
-    # Done, the last action of a request, moves nothing: it stopped where it was in the frame before.
+    # Done, the last action of a request, does not move the robot: it stopped where it was in the frame before.
     dock = (life.dock.i, life.dock.j, life.dock.heading)
     where = [(frames[k][0].i, frames[k][0].j, frames[k][0].heading) for k in begun]
     before = [(frames[k - 1][0].i, frames[k - 1][0].j, frames[k - 1][0].heading) for k in begun[1:]]
@@ -216,7 +216,7 @@ def test_without_privileges_infos_hold_what_is_allowed(life: Life) -> None:
 
 
 def test_a_place_that_is_not_in_view_leaves_no_trace(life: Life) -> None:
-    """Where what is asked for is put elsewhere, all that an agent gets is the same until it is seen."""
+    """If the requested thing is at another place, the agent gets the same data until it sees the thing."""
     asked = life.requests[0].possession
     one, first = life.possessions[asked], int(Timeline(life).at[life.requests[0].time, asked])
     other = next(
@@ -351,7 +351,7 @@ def test_options_are_checked_in_one_line(
 
 
 def told_at(life: Life, **options: Any) -> list[tuple[tuple[str, ...], tuple[int, ...]]]:
-    """Habits at each request, and the days on which they were told."""
+    """The habits at each request, and the days on which they were told."""
     env = made(life, **options)
     _, info = env.reset()
     found, over = [], False
@@ -362,7 +362,7 @@ def told_at(life: Life, **options: Any) -> list[tuple[tuple[str, ...], tuple[int
 
 
 def test_replaced_sentences_are_told_on_or_no_longer(life: Life) -> None:
-    """With stale=False those that the new ones replace are gone from the day of the change on, and nothing else is."""
+    """With stale=False, only the sentences that new ones replace are gone, from the day of the change on."""
     both, new, never = told_at(life), told_at(life, stale=False), told_at(life, stale=False, told=False)
     changed = [day_and_slot(one.time)[0] >= life.change_day for one in life.requests]  # type: ignore[operator]
     assert True in changed

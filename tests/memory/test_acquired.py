@@ -1,4 +1,4 @@
-"""Habits that a robot found out: which sentences, how often they say, and when they are not written."""
+"""Habits that a robot has found out: their sentences, the counts in them, and when none is written."""
 
 from __future__ import annotations
 
@@ -49,13 +49,13 @@ def test_one_day_alone_is_no_habit() -> None:
 
 
 def test_several_sightings_in_a_slot_count_once_the_last() -> None:
-    """Four requests of one slot say no more than one; of what contradicts itself there the last look counts."""
+    """Several sightings in a slot count as one; if they contradict each other, the last counts."""
     assert said(thing(*days(0, 0, 0, 0, 1, 1))) == [(SPOTS[DESK], "", 2, 2, 1)]
     assert said(thing(*days(0, 1), *days(1, place=SOFA))) == []
 
 
 def test_a_quarter_of_all_times_at_least() -> None:
-    """A thing that came to the desk twice, on two of eight days, and on two of nine."""
+    """A thing that was on the desk on two of eight days, and on two of nine."""
     often = [*days(0), *days(1, 2, 3, place=SOFA), *days(4), *days(5, 6, 7, place=SOFA)]
     seldom = [*often, *days(8, place=SOFA)]
     assert (SPOTS[DESK], "", 2, 8, 4) in said(thing(*often))

@@ -1,4 +1,4 @@
-"""Since when a thing is kept as now: the posterior by hand, against one that is counted out, and in the place model."""
+"""Since when a thing has been kept as now: the posterior by hand, by enumeration, and in the place model."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def thing(*seen: tuple[int, int]) -> SeenThing:
 def counted_out(
     places: list[int], stays: np.ndarray, counts: np.ndarray, changes: np.ndarray, doubt: float, mistakes: float
 ) -> np.ndarray:
-    """The posterior, hypothesis by hypothesis and sighting by sighting; a change leaves what came before behind."""
+    """The posterior by enumeration of hypotheses and sightings; after a change, earlier sightings do not count."""
     n, scores = len(places), []
     for change in range(n + 1):
         p = 1.0 - sum(changes) if change == 0 else changes[change - 1]
@@ -57,17 +57,17 @@ def test_it_is_what_is_counted_out(seed: int) -> None:
 
 
 def test_one_sighting_by_hand() -> None:
-    """One sighting is as probable by either hypothesis, so what was expected before stays."""
+    """One sighting is equally probable under both hypotheses, so the prior stays."""
     one = change_posterior(np.array([0]), np.zeros(1), np.zeros((1, 1)), np.array([0.25]), 1.0, 0.0)
     assert one == pytest.approx([0.75, 0.25])
 
 
 def test_two_sightings_by_hand() -> None:
-    """The second is elsewhere: by .05 where the first counts (0.1 of 2), by .1 after a change."""
+    """The second is elsewhere: probability .05 if the first counts (0.1 of 2), .1 after a change."""
     counts = np.array([[0.0, 0.0], [1.0, 0.0]])
     two = change_posterior(np.array([0, 1]), np.zeros(2), counts, np.array([0.5, 0.0]), 1.0, 0.0)
     assert two == pytest.approx([1 / 3, 2 / 3, 0.0], abs=1e-9)
-    # It is where the first was: by 1.1 of 2, against .1.
+    # It is where the first was: probability 1.1 of 2, against .1.
     same = change_posterior(np.array([0, 0]), np.zeros(2), counts, np.array([0.5, 0.0]), 1.0, 0.0)
     assert same == pytest.approx([0.55 / 0.65, 0.1 / 0.65, 0.0], abs=1e-9)
 
@@ -98,7 +98,7 @@ def test_where_it_is_put_follows_the_change() -> None:
 
 
 def test_news_of_a_day_move_the_change_there() -> None:
-    """A change is likelier on a day on which new habits were told than on another day, or if none were told."""
+    """A change is likelier on a day with new habits than on another day, or if no new habits were told."""
     seen = thing(*((time_of(day, 0), DESK if day < 5 else SOFA) for day in range(6)))
     model, now = PlaceModel(EVEN), time_of(6, 0)
     plain, then, before = (model.since(seen, now, told) for told in ((), (5,), (2,)))
@@ -117,7 +117,7 @@ def test_news_after_the_last_sighting_leave_nothing_that_counts() -> None:
 
 
 def test_old_sentences_lose_what_new_ones_gain() -> None:
-    """Sentences of day 0 hold no longer once a thing is seen elsewhere since new ones were told; the new ones do."""
+    """Once a thing is seen elsewhere after new sentences were told, the old ones no longer hold and the new ones do."""
     seen = thing(*((time_of(day, 0), DESK if day < 5 else SOFA) for day in range(9)))
     model, days = PlaceModel(EVEN), (0, 0, 5)
     for until, low, high in ((9, 0.0, 0.1), (6, 0.0, 0.5)):
@@ -126,7 +126,7 @@ def test_old_sentences_lose_what_new_ones_gain() -> None:
         assert old == other
         assert low <= old < high
         assert new > 0.8
-    # Nothing was told: they hold but for the change that the sightings show.
+    # Without news they hold, except for the change that the sightings show.
     before, after = (model.valid(thing(*seen.seen[:n]), time_of(n, 0), (), (0,))[0] for n in (5, 9))
     assert before > 0.7
     assert after < before - 0.1

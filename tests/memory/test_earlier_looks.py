@@ -1,4 +1,4 @@
-"""Looks of earlier requests: when each place was last shown, from how near, and what that leaves of it."""
+"""Looks in earlier requests: when each place was last seen, from how near, and what probability that leaves it."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ INSIDE = 1
 
 
 class Robot:
-    """Looks around in the home of boxes, request by request."""
+    """A robot that looks around in the home of boxes, request by request."""
 
     def __init__(self) -> None:
         self.known, self.looking = SemanticMap(target="teapot"), Looking()
         self.log = SightingLog()
 
     def request(self, time: int, actions: tuple[int, ...] = AROUND, start: tuple[int, int, int] = (14, 4, 2)) -> None:
-        """One request; the robot starts there each time, so its frame is that of the first one."""
+        """Play one request; the robot always starts at the same pose, so the frame stays that of the first request."""
         self.known.search_again("teapot")
         self.looking.begin(1.0)
         env = ToyEnv(two_rooms(), "teapot", start)
@@ -70,7 +70,7 @@ def test_nothing_was_looked_at_before_the_first_request() -> None:
 
 
 def test_a_look_counts_for_what_is_seen_from_so_far(robot: Robot) -> None:
-    """The farther a thing is recognised from, the more places were looked at for it; none beyond the largest reach."""
+    """The farther a thing is recognised, the more places count as looked at; none beyond the largest reach."""
     shown = [robot.looking.begin(reach)[1] == 4 for reach in (0.5, *REACHES_M, 99.0)]
     counts = [int(one.sum()) for one in shown]
     assert counts[0] == 0
@@ -89,7 +89,7 @@ def test_a_reach_between_two_distances_is_the_smaller_one(robot: Robot) -> None:
 
 
 def test_what_is_behind_a_closed_door_was_not_looked_at() -> None:
-    """The cupboard in the kitchen, from right before it."""
+    """The cupboard in the kitchen, seen from right in front of it."""
     robot = Robot()
     robot.request(4, actions=(1, 1, 1, 1), start=(29, 15, 1))
     points, when = robot.looking.begin(4.5)
@@ -141,7 +141,7 @@ def test_looks_make_places_less_probable_and_shares_add_up(robot: Robot) -> None
         offered = np.bincount(kind, places.even, mass.size) > 0.0
         assert total[offered] == pytest.approx(1.0)
         assert not total[~offered].any()
-    # Of every place what is left of it: mass and share say the same of each point as its look did.
+    # Mass times share gives each point exactly what its look has left of it.
     left = np.ones(len(kind))
     left[looked_at(points, when, places)] = MISS
     mine = plain.ravel()[kind] * places.even * left
@@ -149,7 +149,7 @@ def test_looks_make_places_less_probable_and_shares_add_up(robot: Robot) -> None
 
 
 def looked_at(points: np.ndarray, when: np.ndarray, places: Places) -> np.ndarray:
-    """Sample points whose nearest earlier one was shown."""
+    """Indices of sample points whose nearest earlier point was looked at."""
     mine = points_of(places)
     away = np.linalg.norm(mine[:, None] - points[None], axis=2)
     return np.flatnonzero((away.min(1) < 0.3) & (when[away.argmin(1)] >= 0))
@@ -175,7 +175,7 @@ def test_divided_mass_adds_up_and_points_without_any_keep_their_shape(robot: Rob
 
 
 def test_both_kernels_show_the_same_points() -> None:
-    """``look_from`` notes the depth of just the points that ``look`` shows, and never raises it."""
+    """``look_from`` notes the depth of exactly the points that ``look`` shows, and never raises it."""
     rng = np.random.default_rng(0)
     env, known = ToyEnv(two_rooms(), "teapot", (14, 4, 2)), SemanticMap(target="teapot")
     known.update(*(frame := env.reset()))
@@ -199,7 +199,7 @@ def test_both_kernels_show_the_same_points() -> None:
 
 
 def test_watching_shows_places_that_are_in_view_and_near_enough() -> None:
-    """A bowl is seen from farther than a battery: its place is shown where that of the battery is not."""
+    """A bowl is recognised from farther away than a battery, so its far place is shown and the battery's is not."""
     robot = Robot()
     robot.request(1)
     ahead, far = np.array([1.0, 0.0, 0.8]), np.array([1.9, 0.0, 0.8])

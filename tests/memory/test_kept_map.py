@@ -1,4 +1,4 @@
-"""The map of a home between two searches, and expected mass where a thing was seen before, in a home of boxes."""
+"""The map of a home between two searches, and expected mass where a thing was seen, in a home of boxes."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def known() -> SemanticMap:
 
 
 def second_look(known: SemanticMap, bowl: tuple[float, ...]) -> None:
-    """Look again, where the detector goes on with the tracks of before."""
+    """Look again, with a detector that continues the earlier tracks."""
     before, after = ToyEnv(home(), "teapot", (14, 4, 2)), ToyEnv(home(bowl), "teapot", (14, 4, 2))
     before.reset()
     for action in AROUND:
@@ -208,7 +208,7 @@ def test_what_holds_a_thing_counts_before_what_is_nearer(known: SemanticMap, pla
 
 
 def test_a_place_goes_to_its_anchor_once_that_is_mapped(known: SemanticMap) -> None:
-    """Until then it is at what is near; what it was given to may also turn out to be nothing."""
+    """Before that, it goes to a nearby thing."""
     whole = Places(0.1)
     whole.refresh(known)
     table = known.instances["coffee_table"][0]

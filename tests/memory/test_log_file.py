@@ -1,4 +1,4 @@
-"""A memory as a file: written, read, corrected by hand, refused where it cannot be."""
+"""A memory as a file: written, read, corrected by hand, and refused if impossible."""
 
 import json
 

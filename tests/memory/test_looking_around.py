@@ -45,7 +45,7 @@ def test_every_request_has_its_turn() -> None:
 
 @pytest.mark.parametrize("left", range(1, 2 * N))
 def test_it_ends_in_time(left: int) -> None:
-    """Done is carried out within the steps of a request: at once where a whole turn leaves no step for it."""
+    """Done is carried out within the request's steps: at once if a whole turn would leave no step for it."""
     around, first = began(), PAPER.max_steps - left
     actions = []
     for step in range(first, PAPER.max_steps):

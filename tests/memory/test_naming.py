@@ -1,4 +1,4 @@
-"""How a robot says where a thing stands: on the tray and not on the table below, in the fridge, under the bed."""
+"""How a robot names the place of a thing: on the tray, not on the table below it; in the fridge; under the bed."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_far_from_all_there_is_no_name() -> None:
 
 @pytest.mark.parametrize("lost", ["stale", "kind", "box", "category"])
 def test_what_the_map_does_not_hold_names_nothing(lost: str) -> None:
-    """A table that was moved away, a wall, a thing without a box or a name, and the thing itself."""
+    """A table that was moved away, a wall, a thing without a box, and the thing itself."""
     known = mapped(breakfast_table=TABLE)
     cup = at(2.65, 2.35, 0.75)
     assert spot_of(known, "coffee_cup", cup) == (("ontop", "breakfast_table"),)
@@ -85,7 +85,7 @@ def test_what_the_map_does_not_hold_names_nothing(lost: str) -> None:
 
 
 def test_boxes_of_a_detector_that_errs_may_be_off() -> None:
-    """A table of which the top was seen 0.12 m too high still has the cup on it, where it would be nowhere else."""
+    """A cup 0.12 m below a table's top counts as on it; one 0.12 m above does only if boxes are inexact."""
     known, cup = mapped(breakfast_table=TABLE), at(2.65, 2.35, 0.63)
     assert spot_of(known, "coffee_cup", cup)[0] == ("ontop", "breakfast_table")
     cup = at(2.65, 2.35, 0.87)
@@ -95,7 +95,7 @@ def test_boxes_of_a_detector_that_errs_may_be_off() -> None:
 
 
 def test_what_was_found_from_one_side_alone_counts_less() -> None:
-    """Two tables in one place, of which one was found from six sides."""
+    """Two tables at the same place, one of them found from six sides."""
     known = SemanticMap(errors=read_errors("noisy"), target="")
     known.inexact = True
     known.category.extend(["breakfast_table", "coffee_table"])

@@ -1,4 +1,4 @@
-"""Where a thing is now, by what was seen of it: the place model, and the baselines."""
+"""Where a thing is now, judging by its sightings: the place model, and the baselines."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from ucon.memory.simple_models import LastSeen, MostSeen
 DESK, SOFA, SHELF = range(3)
 PLACES = np.array([[0.0, 0.0, 0.7], [3.0, 0.0, 0.4], [0.0, 3.0, 1.2]])
 MORNING, MIDDAY, EVENING = range(3)
-#: A thing is used half of the time, and everything counts the same.
+#: A thing is used in half of all slots, and all sightings count the same.
 PLAIN = PlaceWeights(use=0.5, doubt=1.0, other_slot=1.0, other_days=1.0, change=0.0)
-#: As usual, whatever the fitted numbers are.
+#: Typical weights, independent of the fitted ones.
 SOME = PlaceWeights(use=0.3, doubt=1.5, other_slot=0.6, other_days=0.7, change=0.0)
 
 
@@ -38,9 +38,9 @@ def put_at(model: PlaceModel, one: SeenThing, time: int) -> np.ndarray:
 
 
 def test_by_hand() -> None:
-    """Seen at the desk, one slot ago: it stays by 0.5, else it is put there as often as elsewhere."""
+    """Seen at the desk one slot ago: it stays with 0.5, and otherwise is put there as often as elsewhere."""
     assert now(thing((0, DESK)), 1, PLAIN) == pytest.approx([0.5 + 0.5 * 0.5, 0.0, 0.0])
-    # Used in one of both slots by 0.75; put by (1 + 0.5) / 2.5: the second sighting may be nobody's doing.
+    # Used in either slot with 0.75; put there with (1 + 0.5) / 2.5, since no use may precede the second sighting.
     assert now(thing((0, DESK), (1, DESK)), 3, PLAIN)[DESK] == pytest.approx(0.25 + 0.75 * 1.5 / 2.5)
 
 
@@ -90,7 +90,7 @@ def test_all_known_places_empty_is_elsewhere() -> None:
 
 
 def test_slots_of_the_day_shift_it() -> None:
-    """A thing seen on the desk in mornings and on the sofa in evenings is expected by the slot."""
+    """A thing seen on the desk in mornings and on the sofa in evenings is expected there at those times."""
     seen = [(time_of(day, slot), place) for day in range(3) for slot, place in ((MORNING, DESK), (EVENING, SOFA))]
     model = PlaceModel(replace(SOME, other_slot=0.2))
     put = {slot: put_at(model, thing(*seen), time_of(3, slot)) for slot in (MORNING, MIDDAY, EVENING)}
@@ -102,7 +102,7 @@ def test_slots_of_the_day_shift_it() -> None:
 
 @pytest.mark.parametrize("first_weekday", [0, 3])
 def test_weekends_shift_it(first_weekday: int) -> None:
-    """A thing seen on the shelf at weekends and on the desk on workdays is expected by the kind of day."""
+    """A thing seen on the shelf at weekends and on the desk on workdays is expected there on those days."""
     weekend = {day for day in range(14) if (first_weekday + day) % 7 >= 5}
     seen = [(time_of(day, MORNING), SHELF if day in weekend else DESK) for day in range(7)]
     model = PlaceModel(replace(SOME, other_days=0.1))
@@ -196,16 +196,16 @@ def test_numbers_at_the_ends_of_their_range_give_probabilities(name, value):
 
 
 def test_what_is_left_of_places_that_were_empty():
-    """Used in half of all slots: of a place seen empty in this slot only a miss is left, of one two slots ago more."""
+    """A place seen empty in this slot keeps only the chance of a miss; one seen empty two slots ago keeps more."""
     model = PlaceModel(PLAIN)
     never, before, two_ago, now_ = model.left(np.array([-1, 2, 8, 10]), 4, 10)
     assert never == before == 1.0
     assert now_ == pytest.approx(MISS)
-    # Used at all since it was seen by 1 - 2^-6; since the look by 1 - 2^-2.
+    # Probability of use: 1 - 2^-6 since it was seen, 1 - 2^-2 since the look.
     assert two_ago == pytest.approx(MISS + (1 - MISS) * 0.75 / (1 - 2.0**-6))
-    # Of what was never seen nobody knows whether anybody put it anywhere.
+    # For a thing never seen, only use since the look counts.
     assert model.left(np.array([8, 10]), -1, 10) == pytest.approx([MISS + (1 - MISS) * 0.75, MISS])
-    # Seen in this slot: where else it is not is not known any better.
+    # If it was seen in this slot, earlier looks at other places say nothing.
     assert model.left(np.array([8, 10]), 10, 10).tolist() == [1.0, 1.0]
     assert LastSeen().left(np.array([8, 10]), -1, 10).tolist() == [1.0, 1.0]
 

@@ -28,7 +28,7 @@ from ucon.sim.state import SceneState
 
 
 class Kept(SightingsMemory):
-    """The memory, with what it gave to each search, and how much of the home was known then."""
+    """The memory, which also notes what it gave to each search, and how much of the home was then explored."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -43,7 +43,7 @@ class Kept(SightingsMemory):
 
 
 class Lived:
-    """A life as the frontier agent played it."""
+    """A life played by the frontier agent."""
 
     def __init__(self, life: Life, detector: Any = True) -> None:
         self.life, self.memory = life, Kept()
@@ -52,7 +52,7 @@ class Lived:
         self.played: list[PlayedEpisode] = evaluate(spec, asked_of([life]), workers=0)
 
     def where(self, name: str, time: int) -> Any:
-        """Middle of a possession at a time, metres in the frame of the dock."""
+        """Centre of a possession at a time, metres in the frame of the dock."""
         house = load_house(self.life.scene)
         number = [one.category for one in self.life.possessions].index(name)
         state = SceneState(house, Timeline(self.life).arrangement(time))
@@ -67,7 +67,7 @@ def lived(request: pytest.FixtureRequest) -> Lived:
 
 @pytest.fixture(scope="module")
 def emptied() -> Lived:
-    """A life in which the robot comes by where things were before."""
+    """A life in which the robot passes places where things were before."""
     return Lived(short_life(3, requests=10, days=3))
 
 
@@ -79,13 +79,13 @@ def test_things_are_remembered_where_they_were(lived: Lived) -> None:
         np.linalg.norm(lived.memory.log.things[name].places[place] - lived.where(name, time))
         for name, time, place in sightings
     ]
-    # A place is known by the first sighting of it, perhaps from one side alone.
+    # A place keeps the position of its first sighting, perhaps from one side only.
     assert np.median(away) < 0.1
     assert max(away) < SAME_M + 0.25
 
 
 def test_places_that_were_shown_empty_were_empty(emptied: Lived) -> None:
-    """But for one in twenty: of a small thing too few pixels may show where its middle does."""
+    """Except for one in twenty: a small thing may show too few pixels although its centre is in view."""
     owned = {one.category for one in emptied.life.possessions}
     log = emptied.memory.log.things
     away = np.array([
@@ -109,7 +109,7 @@ def test_with_a_detector_that_errs_most_is_right_and_what_was_recognised_has_a_s
 
     assert len(away("seen")) > 15
     assert (away("seen") < 0.6).mean() > 0.85
-    assert (away("absent") < SAME_M).mean() < 0.25  # what is never found is missed again and again
+    assert (away("absent") < SAME_M).mean() < 0.25  # a thing that is never detected is missed again and again
     known = np.concatenate([one.size.min(1) > 0.0 for one in log.values()])
     assert 0.2 < known.mean() < 1.0
     kept = lived.memory.map
@@ -160,7 +160,7 @@ def test_explored_floor_never_shrinks(lived: Lived) -> None:
 
 
 def test_looks_are_of_their_request_alone_whoever_keeps_the_map() -> None:
-    """A robot that gives its searches nothing but sentences still looks at each request anew."""
+    """If the memory gives only sentences to searches, the looks of each request still start from nothing."""
     life = short_life(3, requests=4, days=2)
     memory = SightingsMemory(recalls=False, acquires=True)
     env = partial(UcONResidentEnv, [life], observe="symbolic", detector=True, planner="true")

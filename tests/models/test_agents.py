@@ -121,7 +121,7 @@ def test_oracle_replays_and_says_what_it_needs() -> None:
 
 
 def test_oracle_locations_knows_the_places_and_no_more() -> None:
-    """The place that was drawn is among them; without privileged information it says what it needs."""
+    """The drawn place is among them; without privileged information it says what it needs."""
     env = UcONEnv("mini", observe="symbolic", detector=True, habit_level="none", privileged=True)
     for episode in load_episodes("mini")[:12]:
         _, info = env.reset(options={"episode": episode})
@@ -137,7 +137,7 @@ def test_oracle_locations_knows_the_places_and_no_more() -> None:
 
 
 def test_belief_at_context_tells_what_it_saw_and_reads_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    """All that it tells was detected before; without the target in the home it does the same until it would see it."""
+    """It reports only what it has detected, and acts the same without the target until it would see it."""
     told: list[tuple[set[str], dict[str, float]]] = []
     lists: list[tuple[str, ...]] = []
     update = ContextHabits.update

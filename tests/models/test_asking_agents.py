@@ -1,4 +1,4 @@
-"""What LGX, PixelNav and L3MVN ask, what they make of an answer, and with which models they can be played."""
+"""What LGX, PixelNav and L3MVN ask, how they use an answer, and with which models they can be played."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def home(observe: str = "symbolic", level: str = "retrieval") -> UcONEnv:
 
 
 def decisions(agent: AskingAgent, env: UcONEnv, most: int = 120) -> list[Decision]:
-    """The choices that come up in one search, each as it was when it was asked about; the target is out of the home."""
+    """The decisions of one search, each as it was when the model was asked, in a home without the target."""
     heard: list[Decision] = []
     choose = agent.choose
 
@@ -55,7 +55,7 @@ def decisions(agent: AskingAgent, env: UcONEnv, most: int = 120) -> list[Decisio
 
 
 def first(agent: AskingAgent, env: UcONEnv) -> Decision:
-    """The first choice of an episode, as it is due."""
+    """The first decision of an episode."""
     obs, info = env.reset(options={"episode": gone(episodes(1)[0])})
     agent.reset([info])
     explorer = agent._explorers[0]
@@ -111,7 +111,7 @@ def test_options_can_be_listed_in_any_order(name: str) -> None:
     split = [sorted(text.replace("\n", ", ").replace(": ", ", ").split(", ")) for text in (told, question.situation)]
     ends = [[word.strip(".") for word in words] for words in split]
     assert sorted(ends[0]) == sorted(ends[1])
-    if name in ("lgx", "lgx_warm", "pixelnav"):  # the lines of the views, too
+    if name in ("lgx", "lgx_warm", "pixelnav"):  # also the lines of the views
         lines = [line for line in told.split("\n") if line.partition(":")[0] in names]
         assert [line.partition(":")[0] for line in lines] == names[::-1]
 
@@ -177,8 +177,8 @@ def test_the_picture_of_four_views() -> None:
         y, x = {0: (0, 0), 90: (0, 138), 180: (138, 0), 270: (138, 138)}[angle]
         tile = picture[y : y + 128, x : x + 128]
         assert (tile[40:] == rgb[40:]).all()
-        assert (tile[:40] != rgb[:40]).any()  # the angle
-        assert (sighting.rgb == rgb).all()  # written on a copy
+        assert (tile[:40] != rgb[:40]).any()  # the angle is written there
+        assert (sighting.rgb == rgb).all()  # it is written on a copy
     (question,) = agent.questions(decision, 0)
     assert (question.images[0] == picture).all()
     assert agent.name == "pixelnav_images"
@@ -213,8 +213,8 @@ def test_what_cannot_work_is_refused_in_one_line(make, message: str) -> None:  #
 @pytest.mark.parametrize(
     ("scores", "number"),
     [
-        ([0.2, 0.5, 0.4], 1),  # sure
-        ([0.2, 0.3, 0.25], 0),  # none is above 0.3: the first that is possible
+        ([0.2, 0.5, 0.4], 1),  # a sure one
+        ([0.2, 0.3, 0.25], 0),  # none is above 0.3: the first possible one
         ([0.05, 0.1, 0.15], 2),
         ([0.05, 0.1, 0.01], 0),  # none is possible: the most useful
         ([0.4, 0.4], 0),
@@ -275,7 +275,7 @@ def test_labels_are_the_target_and_others_once() -> None:
 
 @pytest.mark.parametrize("name", MAKERS)
 def test_a_chat_model_on_this_machine_plays(name: str, tmp_path_factory: pytest.TempPathFactory) -> None:
-    """A tiny random model: its answers mean nothing, but each is one of the options, and the same again."""
+    """A tiny random model: its answers mean nothing, but each is one of the options and repeatable."""
     folder = save_causal(tmp_path_factory.mktemp("tiny") / "llama", positions=2048)
     runs = []
     for _ in range(2):

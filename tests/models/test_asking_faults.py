@@ -1,6 +1,6 @@
-"""Agents that ask a chat server, with a real one that misbehaves: all episodes end in time, and faults are counted.
+"""Agents that ask a chat server that misbehaves: all episodes end in time, and faults are counted.
 
-These are LGX and PixelNav, each in both of its forms. L3MVN compares probabilities, which such servers do not give.
+These are LGX and PixelNav, each in both of its forms. L3MVN compares probabilities, which chat servers do not give.
 """
 
 from __future__ import annotations
@@ -58,17 +58,17 @@ FAULTS = {
     "a list of options": (says({"reason": "", "choice": ["front", "0"]}), "unusable"),
     "moved": (fails(301, Location="http://127.0.0.1:9/elsewhere"), "server"),
 }
-#: Faults that the ordinary tests play with all agents; of the others they play LGX.
+#: Faults that ordinary test runs play with all agents; the other faults they play with LGX only.
 EVERY_ONE = ("hanging", "refusal in prose", "outside the set")
-#: Those that do not close in time of themselves.
+#: Faults in which the server does not end in time by itself.
 SLOW = {"hanging": hangs(3.0), "dribbling": dribbles}
-#: What threads, the loopback and a busy machine may add to the wall time of a decision, in seconds.
+#: Seconds that threads, the loopback interface and a busy machine may add to the wall time of a decision.
 SLACK_S = 0.5
 ODD = "\ud800\u2028\x85\r\n\x00 done"
 
 
 class TimedModel(ChatModel):
-    """The chat model, which keeps the wall seconds of every call: one for each decision."""
+    """The chat model, which also notes the wall seconds of every call; each decision makes one call."""
 
     def __init__(self, client: ChatClient, retries: int) -> None:
         super().__init__(client, retries=retries)
@@ -88,13 +88,13 @@ def model(url: str, cache: Path, retries: int = 0, timeout_s: float = 5.0) -> Ti
 
 
 def first_option(handler: Handler) -> None:
-    """The first of those that the schema allows, with a reason that no file likes."""
+    """Answer with the first option that the schema allows, and a reason of characters that are hard to store."""
     schema = handler.server.asked[-1]["response_format"]["json_schema"]["schema"]
     says({"reason": ODD, "choice": schema["properties"]["choice"]["enum"][0]})(handler)
 
 
 def home_for(agent: AskingAgent, level: str) -> UcONEnv:
-    """One episode; with small images for the agent that shows them."""
+    """The environment of one episode, with small images for the agent that shows them."""
     observe = "pixels" if agent.name == "pixelnav_images" else "symbolic"
     return UcONEnv(episodes(1), observe=observe, width_px=128, height_px=128, detector=True, habit_level=level)
 
@@ -106,12 +106,12 @@ def one_episode(agent: AskingAgent, level: str = "none") -> PlayedEpisode:
 
 
 def text_of(content: str | list[dict[str, str]]) -> str:
-    """What a message says; pictures are left out."""
+    """The text of a message, without images."""
     return content if isinstance(content, str) else "".join(part.get("text", "") for part in content)
 
 
 def test_who_asks_a_server_is_among_those_that_are_tested(tmp_path: Path) -> None:
-    """A new agent that asks has to be added here; who needs scores refuses a server before anything is played."""
+    """New agents that ask must be added here; one that needs scores refuses a server before anything is played."""
     made = {type(make(model("http://127.0.0.1:9/v1", tmp_path))) for make in ASKERS.values()}
     assert {L3MVNAgent, *made} == {
         kind for kind in AskingAgent.__subclasses__() if kind.__module__.startswith("models.")
@@ -124,7 +124,7 @@ def test_who_asks_a_server_is_among_those_that_are_tested(tmp_path: Path) -> Non
 @pytest.mark.parametrize("name", ASKERS)
 @pytest.mark.parametrize("fault", SLOW)
 def test_no_decision_takes_longer_than_the_time_set(name: str, fault: str, tmp_path: Path) -> None:
-    """Every decision ends within timeout x (retries + 1), while a server would answer only after many times that."""
+    """Every decision ends within timeout x (retries + 1), although the server takes many times as long."""
     timeout_s, retries = 0.1, 1
     with chat_server(SLOW[fault]) as server:
         asking = model(server.url, tmp_path, retries, timeout_s)
@@ -136,7 +136,7 @@ def test_no_decision_takes_longer_than_the_time_set(name: str, fault: str, tmp_p
     assert asked_there >= len(asked)
     assert all(d.fallback and d.failure == "server" for d in asked)
     assert max(asking.took) <= timeout_s * (retries + 1) + SLACK_S
-    assert sum(asking.took) / len(asked) <= timeout_s * (retries + 1) + SLACK_S / 5  # one slow moment is the machine's
+    assert sum(asking.took) / len(asked) <= timeout_s * (retries + 1) + SLACK_S / 5  # allows one slow moment
 
 
 @pytest.mark.parametrize(
@@ -149,7 +149,7 @@ def test_no_decision_takes_longer_than_the_time_set(name: str, fault: str, tmp_p
 )
 def test_a_fault_that_stays_is_counted_and_the_episode_ends(name: str, fault: str, tmp_path: Path) -> None:
     act, why = FAULTS[fault]
-    patience_s = 0.05 if fault == "hanging" else 5.0  # a busy machine answers late, which would be another fault
+    patience_s = 0.05 if fault == "hanging" else 5.0  # otherwise a busy machine would cause a timeout, another fault
     with chat_server(act) as server:
         played = one_episode(ASKERS[name](model(server.url, tmp_path, timeout_s=patience_s)))
         asked_there = len(server.asked)
@@ -188,7 +188,7 @@ def test_a_fault_that_passes_is_asked_again(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ASKERS)
 def test_orders_in_habits_stay_data(name: str, tmp_path: Path) -> None:
-    """They stand between the marks, one a line, and an answer that obeys them is no answer."""
+    """They are between the marks, one per line, and an answer that obeys them is unusable."""
     with chat_server(says("Done")) as server:
         agent = ASKERS[name](model(server.url, tmp_path))
         env = home_for(agent, "none")

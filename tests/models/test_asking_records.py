@@ -1,4 +1,4 @@
-"""What is kept of a choice that a model made, and what level ``context`` tells a model, in whole searches."""
+"""Records of choices made by a model, and the habits that a model gets at level ``context``, in whole searches."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_a_record_says_which_option_was_answered_and_what_did_not_fit(name: str)
 def test_at_level_context_what_was_seen_changes_what_is_told(
     name: str, level: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """All that the list hears was detected before; the prompt holds the list as it is when the question is asked."""
+    """Only detected things change the list; the prompt has the list as it is when the question is asked."""
     told: list[set[str]] = []
     update = ContextHabits.update
 

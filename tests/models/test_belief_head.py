@@ -16,7 +16,7 @@ from ucon.retrieval.levels import FIXED_LEVELS
 
 
 def lively_head(**options):
-    """Random weights everywhere, where a fresh head is quiet."""
+    """A head with random weights everywhere; in a fresh head some are zero."""
     torch.manual_seed(1)
     head = BeliefHead(**{"width": 32, **options}).eval()
     with torch.no_grad():
@@ -72,7 +72,7 @@ def test_order_of_habits_means_nothing(head, inputs):
 
 
 def test_habits_that_are_not_given_change_nothing(head, inputs):
-    """Of the target's own habits alone, and of the same among all others, masked."""
+    """The target's own habits alone give the same as among all others, which are masked."""
     rows, t = np.flatnonzero(inputs.given[2]), slice(2, 3)
     alone = {key: getattr(inputs, key)[rows] for key in ("sentence", "habit", "pair")}
     shared = {key: getattr(inputs, key)[t][:, rows] for key in ("relevance", "given")}

@@ -1,4 +1,4 @@
-"""What an agent may choose: one of the candidates, with a score for each option or none."""
+"""What an agent may choose: one of the candidates, with a score for every option or for none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What searching agents go for, in words: true to what they do, and the same whoever plays."""
+"""Searching agents' decisions in words: they match what the agents do, however the agents are played."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def test_a_search_ends_where_the_target_is_taken(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["belief", "frontier"])
 def test_what_it_says_is_what_it_does(name: str) -> None:
-    """What is opened is named, and what is looked at lies in the view that is gone to."""
+    """The opened thing is the one named, and the view it goes to shows the place that it names."""
     agent, env = built(name, "gt")
     assert isinstance(agent, ControllerAgent)
     looks = opens = 0

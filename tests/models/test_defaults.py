@@ -1,4 +1,4 @@
-"""Agents made in Python behave as those of the commands: their defaults are what a file in ``configs/`` says."""
+"""Agents made in Python behave like those of the commands: defaults match a file in ``configs/``."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 def nodes(node: Any) -> Iterator[dict[str, Any]]:
-    """Every node of a configuration that builds something."""
+    """Every node of a configuration that builds an agent."""
     if isinstance(node, dict):
         if str(node.get("_target_")).startswith("models.agents."):
             yield node
@@ -27,7 +27,7 @@ def nodes(node: Any) -> Iterator[dict[str, Any]]:
 
 
 def said() -> dict[tuple[str, str], set[Any]]:
-    """The plain values that files give each argument, by constructor and argument."""
+    """The plain values given in files, by constructor and argument."""
     out: dict[tuple[str, str], set[Any]] = defaultdict(set)
     for path in sorted(CONFIGS.rglob("*.yaml")):
         for node in nodes(OmegaConf.to_container(OmegaConf.load(path))):
@@ -37,7 +37,7 @@ def said() -> dict[tuple[str, str], set[Any]]:
     return out
 
 
-#: What only the agents of known homes are given.
+#: Given only to the agents of known homes.
 LEFT_OUT = "tour"
 SAID = said()
 assert len(SAID) > 30, "there are agents"
@@ -45,7 +45,7 @@ assert len(SAID) > 30, "there are agents"
 
 @pytest.mark.parametrize("target", sorted({target for target, _ in SAID}))
 def test_defaults_are_those_of_a_configuration(target: str) -> None:
-    """They are also enough: an agent is made with them, where it needs nothing but a language model."""
+    """They also suffice: an agent that needs at most a language model can be made with them."""
     parameters = inspect.signature(get_object(target)).parameters
     for name, parameter in parameters.items():
         default = parameter.default

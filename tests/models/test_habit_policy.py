@@ -1,4 +1,4 @@
-"""The habit policy: what its network may and may not depend on, and that untrained it searches as ``belief`` does."""
+"""The habit policy: what its network may depend on, and that untrained it searches as ``belief`` does."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def names() -> np.ndarray[Any, Any]:
 
 
 def some_tokens(batch: int = 3) -> dict[str, Tensor]:
-    """The first decisions of some episodes."""
+    """Tokens of an early decision in each of a few episodes."""
     env, seen = UcONSearchEnv("mini", habit_level="retrieval"), []
     for number in range(batch):
         obs, _ = env.reset(options={"episode": number})
@@ -56,7 +56,7 @@ def some_tokens(batch: int = 3) -> dict[str, Tensor]:
 
 
 def random_policy(**options: Any) -> HabitPolicy:
-    """One whose outputs are not the prior alone."""
+    """A policy whose outputs are not just the prior."""
     torch.manual_seed(0)
     policy = HabitPolicy(**options).eval()
     with torch.no_grad():
@@ -217,7 +217,7 @@ def test_it_is_small() -> None:
 
 @pytest.mark.timed
 def test_a_decision_is_quick(capsys: pytest.CaptureFixture[str]) -> None:
-    """All that a step costs at which a view is chosen: the map, what was seen empty, views, tokens, the network."""
+    """The whole cost of a step with a choice of view: the map, places seen empty, views, tokens and the network."""
     agent, spent = HabitPolicyAgent(HabitPolicy(), SHIPPED_WEIGHTS), []
     env = UcONEnv("mini", observe="symbolic", detector=True, habit_level="retrieval")
     with one_thread():
@@ -252,7 +252,7 @@ def play(agent: Any, number: int, level: str = "retrieval") -> list[int]:
 
 
 def test_untrained_it_searches_as_belief_does() -> None:
-    """The views offered leave some out that are much alike; in most episodes nothing comes of it."""
+    """Very similar views are left out of the offered ones, which changes nothing in most episodes."""
     alike = [play(HabitPolicyAgent(HabitPolicy(), UNTRAINED), k) == play(BeliefAgent(), k) for k in range(6)]
     assert sum(alike) >= 4
 

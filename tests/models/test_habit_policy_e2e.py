@@ -32,7 +32,7 @@ def policy() -> HabitPolicyE2E:
 
 
 def random_policy(**options) -> HabitPolicyE2E:
-    """As if trained a little: the last layer begins at zero."""
+    """A policy as if trained a little, since the last layer starts at zero."""
     made = HabitPolicyE2E(**options).eval()
     with torch.no_grad(), torch.random.fork_rng():
         torch.manual_seed(0)
@@ -82,7 +82,7 @@ def test_every_level_gives_logits_and_the_same_shapes(policy, walks, level):
 
 
 def test_done_is_held_back_until_the_target_is_near(policy):
-    """On the way of a stored solution: nowhere else, and not at its end."""
+    """Along a stored solution it is held back wherever the target is not in view, and not at the end."""
     episode_ = load_episodes("mini")[1]
     env = UcONEnv([episode_], habit_level="none", detector=True)
     obs, first = env.reset(options={"episode": episode_})
@@ -101,7 +101,7 @@ def test_done_is_held_back_until_the_target_is_near(policy):
 
 
 def test_done_where_the_target_is_not_near_cannot_be_learned(policy, walks):
-    """Solutions that end a little farther off must not teach to stop anywhere: no gradient, and the same small odds."""
+    """Solutions that end a little too far away must not teach to stop anywhere: no gradient, and constant odds."""
     frames, context = episode(policy, walks["gt"])
     logits = policy(frames, context, policy.initial_state(1)).logits
     held = logits[..., Action.DONE] < logits[..., : Action.DONE].logsumexp(-1) - 14
@@ -226,7 +226,7 @@ def test_without_the_head_the_fitted_reader_reads(walks):
 
 
 def test_what_is_covered_is_not_in_view(policy, walks):
-    """Box detectors list tracks whose pixels others took: no place can be told of them, and nearest none of 0 m."""
+    """Box detectors list tracks whose pixels are all covered by others; these have no place and are left out."""
     obs, info = walks["none"][1][0]
     found = info["detections"]
     covered = int(found.track.max()) + 1
@@ -254,7 +254,7 @@ def test_needs_pixels(policy, walks):
 
 
 def test_memory_agrees_with_the_semantic_map(policy, walks):
-    """Two independent programs put the same frames into a map."""
+    """Two independent implementations put the same frames into a map."""
     frames, context = episode(policy, walks["none"])
     state = policy(frames, context, policy.initial_state(1)).state
     flags = state["flags"][0].numpy()
@@ -282,7 +282,7 @@ def test_patch_is_the_frame_alone(policy, walks):
 
 
 def test_it_does_not_matter_how_far_it_has_come(policy, walks):
-    """25 m from the start the window is cut off by the map's rim, and the agent is still in its middle."""
+    """25 m from the start the map's edge cuts off the window, but the agent is still in its centre."""
     frames, context = episode(policy, walks["gt"])
     shifted = {name: tensor.clone() for name, tensor in frames.items()}
     shifted["pose"][..., 0] += 100
@@ -308,7 +308,7 @@ def test_augmentation_turns_the_map_and_nothing_else(policy, walks):
 
 
 def test_initial_weights_do_not_depend_on_what_was_loaded_before():
-    """The belief head is loaded once a process, and loading it draws random numbers."""
+    """The belief head is loaded once per process, and loading it draws random numbers."""
     default_head_reader.cache_clear()
     first, second = HabitPolicyE2E().state_dict(), HabitPolicyE2E().state_dict()
     assert all(torch.equal(first[name], second[name]) for name in first)
@@ -372,7 +372,7 @@ def test_in_play_what_was_looked_at_closely_counts_for_nothing(walks, monkeypatc
 
 
 def test_in_play_the_plan_counts_more(walks):
-    """Its log-probabilities are multiplied by ``trust`` in evaluation mode, and not in training mode."""
+    """The plan's log-probabilities are multiplied by ``trust`` in evaluation mode only."""
     trusting, plain = random_policy(trust=3.0), random_policy(trust=1.0)
     frames, context = episode(plain, walks["gt"])
     with torch.no_grad():

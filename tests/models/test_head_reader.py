@@ -1,4 +1,4 @@
-"""The head in place of the fitted reader: what it gives agents, and what it refuses to load."""
+"""The head instead of the fitted reader: what it gives agents, and which files it refuses to load."""
 
 import io
 import json
@@ -31,7 +31,7 @@ NAMES = ["coffee_table", "sofa", "suitcase", "fridge", "toilet", "desk"]
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """The model of a head that has learned nothing yet."""
+    """The model folder of an untrained head."""
     path = tmp_path_factory.mktemp("head")
     files = tiny_belief().product()
     for name, content in files.items():
@@ -114,7 +114,7 @@ def test_cut_off_and_altered_files_are_refused(folder, tmp_path, name):
 
 
 def sealed(folder, tmp_path, name, change):
-    """A copy of the model in which one file is changed, and the manifest with it."""
+    """A copy of the model with one file changed and the manifest updated."""
     shutil.copytree(folder, tmp_path, dirs_exist_ok=True)
     (tmp_path / name).write_bytes(change((tmp_path / name).read_bytes()))
     write_manifest(tmp_path, [WEIGHTS, CONFIG])
@@ -195,7 +195,7 @@ def test_shipped_head_reaches_its_bars():
 
 
 def test_habits_count_as_retrieved_unless_it_is_said_that_all_are_of_the_target(reader):
-    """At level gt every habit is of the target and is trusted; nothing else is."""
+    """Habits are trusted only at level gt, where all of them are about the target."""
     for read in (reader.belief, lambda *given, **said: reader.read(*given[:2], **said).belief(given[2])):
         plain, trusted, doubted = (
             read("wallet", HABITS, NAMES, **said).p for said in ({}, {"trusted": True}, {"trusted": False})

@@ -1,4 +1,4 @@
-"""Every configured agent that knows no secrets: it does the same with the same, and reads nothing it may not."""
+"""Every configured agent without privileged information: same input, same actions, and nothing else is read."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_an_unseen_target_changes_nothing(name: str) -> None:
 
 @pytest.mark.parametrize("name", HONEST)
 def test_a_batch_is_its_parts(name: str) -> None:
-    """Slots in any order, one episode ended and another begun in between."""
+    """Slots in any order, after another episode in the same agent."""
     agent, env = built(name)
     first, second = episodes(2)
     alone = [play(agent, env, episode, 60) for episode in (first, second)]
@@ -74,7 +74,7 @@ def test_choices_are_recorded_and_walked_to(name: str) -> None:
 
 @pytest.mark.parametrize("name", CHOOSERS)
 def test_habits_change_a_tenth_of_the_choices(name: str) -> None:
-    """Each choice of whole searches at gt is made twice, with the habits and without, by the same random numbers."""
+    """Each choice in whole searches at gt is made twice, with and without habits, with the same random numbers."""
     agent, env = built(name, "gt")
     assert isinstance(agent, WaypointAgent)
     made = twice(agent) if isinstance(agent, AskingAgent) else []
@@ -91,7 +91,7 @@ def test_habits_change_a_tenth_of_the_choices(name: str) -> None:
 
 
 def twice(agent: AskingAgent) -> list[tuple[Chosen, Chosen]]:
-    """Listens to the choices of an agent of one slot that were asked about: as made, and as made without habits."""
+    """Record the choices for which an agent with one slot asks its model: as made, and as made without habits."""
     heard: list[tuple[Chosen, Chosen]] = []
     choose = agent.choose
 

@@ -1,4 +1,4 @@
-"""What holds for every configured network over the seven actions, whatever is in it."""
+"""Properties of every configured network over the seven actions, whatever its architecture."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from ucon.learning.policies.action_policy import PolicyOutputs, Tensors
 from ucon.learning.run.network_files import load_network, network_files
 from ucon.task.actions import encoded_action
 
-#: Self-attention of the first decoder layer of DETR and VTN attends to zeros: its joint projections never learn, and
-#: what follows them does so only when biases, which start at zero, have moved.
+#: Self-attention in the first decoder layer of DETR and VTN attends to zeros: its joint projections never learn, and
+#: the layers after them learn only once the biases, which start at zero, have changed.
 FIRST = "visual.decoder.0."
 IDLE = {f"{FIRST}self_attention.in_proj_weight", f"{FIRST}self_attention.out_proj.weight", f"{FIRST}norms.0.weight"}
 
@@ -86,7 +86,7 @@ def test_steps_together_are_steps_one_by_one(name: str) -> None:
     assert torch.allclose(torch.cat([o.value for o in alone]), together.value, atol=1e-4)
     for key, tensor in together.state.items():
         assert torch.allclose(alone[-1].state[key], tensor, atol=1e-5)
-    if together.state:  # who forgets says something else
+    if together.state:  # without its memory, the value differs
         forgot = run(name, at(frames, 2), context)
         assert not torch.allclose(forgot.value, together.value[2:], atol=1e-4)
 
@@ -116,7 +116,7 @@ def test_episodes_of_a_batch_know_nothing_of_each_other(name: str) -> None:
 @pytest.mark.parametrize("name", POLICIES)
 def test_the_target_changes_the_answer(name: str) -> None:
     frames, context = sequence(name)
-    seen = frames["label"][0, :, 0] if "label" in frames else None  # as if the first thing in view were the target
+    seen = frames["label"][0, :, 0] if "label" in frames else None  # makes the first thing in view the target
     other = (
         {"target": seen.long()}
         if seen is not None
@@ -194,7 +194,7 @@ def test_a_copy_for_another_process_takes_no_frozen_network_along(name: str) -> 
     wanted = run(name, frames, context)
     weights = sum(t.numel() * t.element_size() for t in policy(name).state_dict().values())
     sent = pickle.dumps(policy(name))
-    assert len(sent) < weights + 2e6  # tables of names go along
+    assert len(sent) < weights + 2e6  # tables of names are included
     copy = pickle.loads(sent)
     with torch.inference_mode():
         assert torch.equal(copy(frames, context, copy.initial_state(2)).logits, wanted.logits)

@@ -1,4 +1,4 @@
-"""The agent that plays any policy: a state for each slot, none shared; the same draws for the same step."""
+"""The agent that plays any policy: separate states for slots, and the same random draws for the same step."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ ROOT = Path(__file__).parents[2]
 
 
 class Remembering(PolicyModule):
-    """An LSTM over a number, whose answers tell apart all that it was ever shown."""
+    """An LSTM over a number, whose outputs depend on everything it was ever shown."""
 
     architecture = "remembering"
 
@@ -37,7 +37,7 @@ class Remembering(PolicyModule):
         self.batches: list[int] = []
         for weights in self.parameters():
             nn.init.normal_(weights)
-        nn.init.constant_(self.lstm.bias_ih_l0[16:32].data, 2.0)  # forgets little
+        nn.init.constant_(self.lstm.bias_ih_l0[16:32].data, 2.0)  # so that it forgets little
 
     def context(self, info: Mapping[str, Any]) -> Arrays:
         return {"wanted": np.array([info["wanted"]], np.float32)}
@@ -75,7 +75,7 @@ def alone(agent: PolicyAgent, number: int, slot: int = 0) -> list[int]:
 
 @pytest.mark.parametrize("sample", [False, True])
 def test_an_episode_is_the_same_alone_and_among_others(sample: bool) -> None:
-    """Slots in any order, episodes that begin and end while others go on."""
+    """Slots in any order, and episodes that begin and end while others continue."""
     agent = remembering(sample=sample)
     wanted = [alone(remembering(sample=sample), number) for number in range(4)]
     assert len({tuple(actions) for actions in wanted}) == 4
@@ -90,11 +90,11 @@ def test_an_episode_is_the_same_alone_and_among_others(sample: bool) -> None:
         for n, action in zip(playing, actions, strict=True):
             found[n].append(action)
     assert found == wanted
-    assert max(agent.policy.batches) == 3  # together in one forward
+    assert max(agent.policy.batches) == 3  # together in one forward pass
 
 
 def test_a_reset_forgets_and_nothing_else_does() -> None:
-    """What it would do with the state of another episode, or with none, is something else."""
+    """It would act differently with the state of another episode, or with none."""
     agent = remembering()
     wanted = alone(agent, 1)
     assert alone(agent, 1) == wanted  # played before in this slot
@@ -120,7 +120,7 @@ def test_draws_are_a_function_of_seed_episode_and_step() -> None:
     undecided = remembering(sample=True)
     nn.init.zeros_(undecided.policy.head.weight)  # type: ignore[arg-type]
     nn.init.zeros_(undecided.policy.head.bias)  # type: ignore[arg-type]
-    assert len(set(alone(undecided, 1))) > 3  # every step draws anew
+    assert len(set(alone(undecided, 1))) > 3  # every step has its own draw
 
 
 def test_draws_follow_the_probabilities() -> None:
@@ -163,7 +163,7 @@ def test_a_checkpoint_is_played(tmp_path: Path) -> None:
 
 
 class Reading(Remembering):
-    """One that is given habits."""
+    """A policy that is given habits."""
 
     uses_habits = True
     max_habits = 1024
@@ -225,7 +225,7 @@ def test_a_gpu_where_there_is_none_is_one_line() -> None:
 
 
 def untrained(name: str) -> tuple[PolicyAgent, Any]:
-    """The configured network with random weights, drawing its actions, so that they differ."""
+    """The configured network with random weights; it samples its actions, so that they vary."""
     config = config_of(name)["agent"] | {"checkpoint": "untrained", "sample": True}
     return Factory(config)(), built(name)[1]
 

@@ -1,4 +1,4 @@
-"""Every configured agent plays episodes of a file in the official release's form, in both knowledge-base modes."""
+"""Every configured agent plays episodes of a file in the official release's format, in both knowledge-base modes."""
 
 from __future__ import annotations
 

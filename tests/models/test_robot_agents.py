@@ -1,4 +1,4 @@
-"""Agents under ``task=real_robot``: who maps searches with six headings, who learned quarter turns refuses."""
+"""Agents under ``task=real_robot``: those with maps search in six headings, those trained on quarter turns refuse."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_a_search_finds_with_an_exact_robot_and_with_one_that_errs() -> None:
 
 
 def test_a_search_does_not_turn_to_and_fro() -> None:
-    """Positions of a robot's moves lie on the edges of cells, where two ways of rounding part company."""
+    """A robot's moves end on edges of cells, where two ways of rounding can differ."""
     agent = BeliefAgent()
     for k in (0, 3, 10):
         actions, _ = played(robot(rig=RobotRig.exact(), habit_level="none"), agent, k)

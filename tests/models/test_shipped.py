@@ -1,4 +1,4 @@
-"""What comes with the code: weights that fit the configured agents, whole, small, and described."""
+"""Shipped weights fit the configured agents and are whole, small and described."""
 
 from __future__ import annotations
 

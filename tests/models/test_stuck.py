@@ -17,7 +17,7 @@ WAYPOINT = [name for name in HONEST if isinstance(Factory(config_of(name)["agent
 
 
 def played(name: str, episode: Episode, *changes: str) -> tuple[str, dict]:
-    """The actions of one episode, and how it ended."""
+    """The actions of one episode, and its figures at the end."""
     config = config_of(name, *changes)
     agent = Factory(config["agent"])()
     env = UcONEnv([episode], habit_level="retrieval", observe=config["env"]["observe"], detector=True)
@@ -38,8 +38,8 @@ def test_nobody_turns_on_the_spot_for_long(name):
         assert not re.search("2{13}|1{13}", actions), actions
 
 
-#: Episodes of ``val`` in which an agent once stood still to the end: a sliver of the target seen from afar, with no
-#: node in reach of it; a frontier at the very node that it was looked into from.
+#: Episodes of ``val`` in which an agent once stood still to the end: in one, it saw a sliver of the target from afar
+#: with no node in reach of it; in the other, a frontier was at the very node from which the agent looked into it.
 STOOD_STILL = [
     ("val/val_category/seen_scene/033", "frontier_nearest", ()),
     ("val/val_category/val_scene/046", "l3mvn", ("agent.sure=0.2", "agent.possible=0.15")),

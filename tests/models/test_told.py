@@ -1,4 +1,4 @@
-"""Told contexts: which agents are told, by which option, and what changes in prompts and beliefs."""
+"""Stated contexts: which agents are given them, by which option, and how prompts and beliefs change."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""VTN has the sizes of its paper's code, and sees what the detector says."""
+"""VTN has the sizes of its paper's code, and sees what the detector reports."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def vtn() -> VTN:
 
 
 def test_sizes_are_those_of_the_paper(vtn: VTN) -> None:
-    """17.9 M parameters beside the features of categories, which stand for DETR."""
+    """17.9 M parameters, not counting the features of categories, which replace DETR."""
     assert count(vtn) - count(vtn.tokens) == 17_888_833
     assert count(vtn.tokens) == (len(labels()) + 1) * 256
     assert vtn.lstm.input_size == 3200
@@ -70,7 +70,7 @@ def test_it_starts_as_its_papers_code_does(vtn: VTN) -> None:
     assert all(torch.allclose(part.weight.norm(dim=1), torch.ones(len(part.weight))) for part in vtn.critic)
     assert not any(bool(p.any()) for n, p in vtn.named_parameters() if "bias" in n and "norm" not in n)
     first, second = (layer.self_attn.in_proj_weight for layer in vtn.visual.encoder.layers[:2])
-    assert not torch.equal(first, second)  # layers are copies no more
+    assert not torch.equal(first, second)  # layers are not copies of each other
     bound = (6 / (256 + 249)) ** 0.5
     assert 0.99 * bound < vtn.visual.local_embed.weight.abs().max() <= bound
 
@@ -141,7 +141,7 @@ def test_the_target_is_a_mark_on_its_label_and_nothing_else() -> None:
     assert indicator({"label": label}, torch.tensor([5, 0])).tolist() == [[0, 1, 0, 0], [0, 0, 0, 0]]
     things = described(label, 44, torch.zeros(2, 4, 4), torch.ones(2, 4), torch.zeros(2, 4))
     assert things.shape == (2, 4, 7)
-    assert things[0, :, 0].tolist() == [1.5, 2.5, 0, 0]  # the range of VTNet's 22 labels
+    assert things[0, :, 0].tolist() == [1.5, 2.5, 0, 0]  # scaled to the range of VTNet's 22 labels
 
 
 def test_labels_are_the_catalogue_without_the_building() -> None:
@@ -178,7 +178,7 @@ def stacked(frames: list[Arrays]) -> dict[str, torch.Tensor]:
 
 
 def test_frozen_its_visual_transformer_looks_once_and_stays(vtn: VTN) -> None:
-    """Same outputs and same weights on disk; only what is behind the visual transformer has gradients."""
+    """Same outputs and same weights on disk; only the layers after the visual transformer have gradients."""
     frozen, draw = VTN(freeze_visual=True).train(), np.random.default_rng(0)
     tracks = np.zeros((128, 128), np.int16)
     tracks[20:60, 30:90] = 1

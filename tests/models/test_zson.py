@@ -1,4 +1,4 @@
-"""ZSON has the sizes of its paper, normalises by what it saw, and is trained on changed images."""
+"""ZSON has the sizes of its paper, normalises by running statistics, and is trained on augmented images."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def drawn(seed: int = 0) -> torch.Generator:
 
 
 def test_sizes_are_those_of_the_paper() -> None:
-    """With CLIP in place of 384 numbers they are 14.1 M and 1568, see tests/models/nets/test_frozen.py."""
+    """With CLIP instead of 384 numbers they are 14.1 M and 1568; see tests/models/nets/test_frozen.py."""
     zson = ZSON()
     assert sum(p.numel() for p in zson.parameters()) == 12_787_496
     assert zson.lstm.input_size == 512 + 384 + 32

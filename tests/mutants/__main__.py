@@ -1,8 +1,8 @@
 """Mutation testing: ``make mutants``, or ``python -m tests.mutants --help``.
 
-A seeded sample of mutations of the nine parts is tried by cosmic-ray, one after the other, in copies of the working
-tree, each against the tests that run its line. The session is kept: interrupted, it goes on where it was; survivors
-are tried again, since tests may have been written meanwhile. Ends with 1 where too few are killed.
+A seeded sample of mutations of the nine parts is tried with cosmic-ray in copies of the working tree, each against the
+tests that run its line. The session is kept: an interrupted one continues where it stopped, and survivors are tried
+again, since tests may have been added. The exit code is 1 if too few mutants are killed.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _Result = TypeVar("_Result")
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Record what is not recorded, try what is not tried, report."""
+    """Record tests that are not recorded yet, try mutations that are not tried yet, and report."""
     parser = argparse.ArgumentParser(prog="python -m tests.mutants", description="Mutation testing.")
     parser.add_argument("--session", type=Path, default=Path("build/mutants"), help="folder that keeps what was done")
     parser.add_argument("--jobs", type=int, default=2, help="copies that work side by side")
@@ -89,7 +89,7 @@ class Run:
             dealt(pool, self.jobs, todo, lambda number, file: record(self.root, self.session, number, file), "recorded")
 
     def judge(self, mutations: Sequence[Mutation], limit: int | None, at_least: float) -> int:
-        """Try the mutations, print what came of them; 1 where too few of them are killed, or not all were tried."""
+        """Try the mutations and print the outcome; returns 1 if too few are killed, or not all were tried."""
         equivalent = known()
         reach = Reach(self.root, Recorded.read((self.session / "map").glob("*.json")))
         with use_db(str(self.session / "session.sqlite"), WorkDB.Mode.create) as db:
@@ -109,7 +109,7 @@ class Run:
         return int(len(outcomes) < len(jobs) or 100 * share < at_least)
 
     def _jobs(self, db: WorkDB, mutations: Sequence[Mutation]) -> dict[str, Mutation]:
-        """The session's items by number, which says what is mutated and what the file is: new for new code."""
+        """The session's jobs by id, a hash of the mutation and the file's content, so that new code gets new jobs."""
         jobs = {
             hashlib.sha256(f"{m.key}|{(self.root / m.file).read_text()}".encode()).hexdigest()[:32]: m
             for m in mutations
@@ -160,7 +160,7 @@ class Run:
 def dealt(
     pool: ThreadPoolExecutor, copies: int, jobs: Sequence[_Job], work: Callable[[int, _Job], _Result], what: str
 ) -> None:
-    """Do every job in whichever copy is free, and tell how far it is."""
+    """Do each job in a free copy, and print progress."""
     free: queue.Queue[int] = queue.Queue()
     for number in range(copies):
         free.put(number)
@@ -183,7 +183,7 @@ def dealt(
 
 
 def tell(text: str) -> None:
-    """A line of progress."""
+    """Print a line of progress."""
     print(text, flush=True)  # noqa: T201
 
 
@@ -192,5 +192,5 @@ def _now(root: Path, file: str) -> str:
 
 
 if __name__ == "__main__":
-    os.environ.pop("NUMBA_CACHE_DIR", None)  # every copy has kernels of its own
+    os.environ.pop("NUMBA_CACHE_DIR", None)  # every copy has its own kernels
     sys.exit(main())

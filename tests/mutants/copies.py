@@ -1,4 +1,4 @@
-"""Copies of the working tree in which mutants live, so that the tree itself is never changed."""
+"""Copies of the working tree for the mutants, so that the tree itself is never changed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ucon.core.jit import sources_hash
 
 
 def refresh(root: Path, copy: Path) -> None:
-    """Make ``copy`` hold what git would commit of ``root``; files that are the same keep their dates."""
+    """Make ``copy`` hold what git would commit of ``root``; unchanged files keep their dates."""
     listed = subprocess.run(
         ["git", "ls-files", "-co", "--exclude-standard", "-z"], cwd=root, check=True, capture_output=True, text=True
     )
@@ -32,7 +32,7 @@ def refresh(root: Path, copy: Path) -> None:
 
 
 def environment(copy: Path, cache: Path) -> dict[str, str]:
-    """What tests in a copy run with: its own code, its own cache, one thread."""
+    """The environment of tests in a copy: its own code, its own cache, one thread."""
     return {
         **os.environ,
         "PYTHONPATH": str(copy),
@@ -43,9 +43,9 @@ def environment(copy: Path, cache: Path) -> dict[str, str]:
 
 @contextmanager
 def own_cache(kept: Path, own: Path) -> Iterator[Path]:
-    """A cache for one mutant, with what is kept in the good one: what it writes there nobody else will read.
+    """A separate cache for one mutant with the content of the good one, so that nothing else reads what it writes.
 
-    Files are linked, not copied; they are replaced as wholes and never written into.
+    Files are linked, not copied; the code replaces whole files and never writes into existing ones.
     """
     shutil.rmtree(own, ignore_errors=True)
     kept.mkdir(parents=True, exist_ok=True)
@@ -57,16 +57,16 @@ def own_cache(kept: Path, own: Path) -> Iterator[Path]:
 
 
 def kernels(copy: Path) -> Path:
-    """Folder of the kernels that belong to the code of a copy as it is now."""
+    """Folder of the kernels for the current code of a copy."""
     return copy / "ucon" / "__pycache__" / f"kernels-{sources_hash(copy / 'ucon')[:16]}"
 
 
 @contextmanager
 def mutants_kernels(copy: Path, good: Path, file: str) -> Iterator[bool]:
-    """Compiled kernels for the mutated code: the good ones, without those that ``file`` may have a part in.
+    """Compiled kernels for the mutated code: the good ones, without those that may depend on ``file``.
 
-    Yields whether any have to be compiled anew. Without this all of them would be, for they are kept by the content of
-    all kernels, which takes minutes.
+    Yields whether any have to be recompiled. Otherwise all of them would be, which takes minutes, since they are cached
+    by the content of all kernel files.
     """
     mine = kernels(copy)
     if mine == good or not good.is_dir():
@@ -85,7 +85,7 @@ def mutants_kernels(copy: Path, good: Path, file: str) -> Iterator[bool]:
 
 
 def depending(copy: Path, file: str) -> set[str]:
-    """Files that import a file, or import one that does, and the file itself."""
+    """The file itself and all files that import it, directly or indirectly."""
     sources = {
         p.relative_to(copy).as_posix(): p.read_text()
         for folder in ("ucon", "models")

@@ -1,4 +1,4 @@
-"""What can be mutated in a file: every mutation that cosmic-ray can make there, less those that mean nothing."""
+"""What can be mutated in a file: every mutation that cosmic-ray can make, except meaningless ones."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from cosmic_ray.ast import ast_nodes, get_ast
 from cosmic_ray.mutating import MutationVisitor
 from cosmic_ray.plugins import get_operator, operator_names
 
-#: Decorators compile and keep: without them things are slower, not wrong.
+#: Decorators compile and cache: without them things are slower, not wrong.
 UNUSED: Final = ("core/RemoveDecorator",)
-#: Nodes that no operator looks at; most nodes are of these kinds.
+#: Kinds of nodes that no operator mutates; most nodes are of these kinds.
 _SKIPPED: Final = frozenset(
     {"name", "newline", "string", "endmarker", "fstring_string", "fstring_start", "fstring_end"}
 )
 _PUNCTUATION: Final = frozenset("()[]{},:.;=")
-#: Calls that write texts for people.
+#: Calls that write messages for people.
 _TELLING: Final = frozenset({"print", "warn", "debug", "info", "warning", "error", "write"})
 Position = tuple[int, int]
 """Line from 1, column from 0."""
@@ -40,29 +40,29 @@ class Mutation:
     text: str
     """The line as it is, without indentation."""
     column: int
-    """Where in it the place begins."""
+    """Column in that text where the place begins."""
     end: Position
     nth: int
-    """The how manieth place of its function whose line reads like this, at this column of it."""
+    """Index of the place among those in its function with the same line and column."""
     operator: str
     index: int
-    """The how manieth mutation by this operator at this place."""
+    """Index of the mutation among those by this operator at this place."""
     occurrence: int
-    """The how manieth mutation by this operator in this file: cosmic-ray's own count."""
+    """Index among all mutations by this operator in this file, as cosmic-ray counts them."""
 
     @property
     def place(self) -> str:
-        """What stays the same when lines are moved about."""
+        """A key of the place that stays the same when lines move."""
         return "|".join((self.file, self.function, self.text, str(self.column), str(self.nth)))
 
     @property
     def key(self) -> str:
-        """The same of the mutation."""
+        """A key of the mutation that stays the same when lines move."""
         return f"{self.place}|{self.operator}|{self.index}"
 
 
 def rank(seed: int, text: str) -> str:
-    """A draw that depends on nothing but the seed and the text."""
+    """A pseudo-random rank that depends only on the seed and the text."""
     return hashlib.sha256(f"{seed}|{text}".encode()).hexdigest()
 
 
@@ -80,7 +80,7 @@ def changed_line(source: str, mutation: Mutation) -> str:
 
 
 def mutations(root: Path, file: str) -> list[Mutation]:
-    """All mutations of a file that mean something, in the order of the file."""
+    """All meaningful mutations of a file, in the order of the file."""
     source = (root / file).read_text()
     tree, lines = ast.parse(source), source.splitlines()
     left_out, functions = Spans(_meaningless(tree)), _functions(tree)
@@ -123,7 +123,7 @@ def _dull(node: Any) -> bool:
 
 
 class Spans:
-    """Pieces of a file."""
+    """The spans of some nodes in a file."""
 
     def __init__(self, nodes: Iterable[ast.AST]) -> None:
         self._spans = [((n.lineno, n.col_offset), (n.end_lineno, n.end_col_offset)) for n in nodes]  # type: ignore[attr-defined]
@@ -133,7 +133,7 @@ class Spans:
 
 
 def _meaningless(tree: ast.Module) -> Iterator[ast.AST]:
-    """Code whose mutation changes nothing that a program could show, or only a text for people."""
+    """Nodes whose mutation has no observable effect, or changes only messages for people."""
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
             yield from node.decorator_list
@@ -151,7 +151,7 @@ def _meaningless(tree: ast.Module) -> Iterator[ast.AST]:
             yield node
         if isinstance(node, ast.Raise) or (isinstance(node, ast.Call) and _name(node.func) in _TELLING):
             yield from (part for part in ast.walk(node) if isinstance(part, ast.JoinedStr))
-        if isinstance(node, ast.Call) and _name(node.func) == "zip":  # `strict` finds slips of whoever writes the code
+        if isinstance(node, ast.Call) and _name(node.func) == "zip":  # `strict` only finds coding mistakes
             yield from (keyword.value for keyword in node.keywords if keyword.arg == "strict")
 
 

@@ -1,8 +1,8 @@
-"""Which tests can notice a mutation: those that run its line, or lines that use what its line makes.
+"""Which tests can notice a mutation: those that run its line, or lines that use the names its line defines.
 
-Coverage does not see kernels, whose lines run compiled, and constants are made while a module is imported, before any
-test. For these it counts who runs a line that names the kernel, the constant or the field, in whatever file. Programs
-that run in a process of their own are met by the tests of files that name them.
+Coverage does not see kernels, whose lines run compiled, nor constants, which are set while a module is imported, before
+any test. For these it takes the tests that run a line, in any file, naming the kernel, the constant or the field.
+Programs that run in separate processes are covered by the tests in files that name them.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from tests.mutants.recorder import MEASURED
 from tests.mutants.sample import PARTS, part_of
 
 _KERNELS: Final = frozenset({"jit", "merged", "leaf", "inlined", "njit"})
-#: How often names are followed: a kernel is called by a kernel that is called by a kernel ...
+#: Most steps from name to name: a kernel may be called by a kernel that is called by a kernel ...
 _DEPTH: Final = 5
 Line = tuple[str, int]
 Function = ast.FunctionDef | ast.AsyncFunctionDef
@@ -29,15 +29,15 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 @dataclass(frozen=True)
 class Recorded:
-    """What was recorded of all tests."""
+    """The records of all tests."""
 
     seconds: Mapping[str, float]
-    """By test; those that failed or were skipped by themselves are left out."""
+    """Seconds by test, without tests that failed or were skipped without any mutation."""
     by_line: Mapping[Line, frozenset[str]]
 
     @classmethod
     def read(cls, files: Iterable[Path]) -> Recorded:
-        """Put together what :mod:`tests.mutants.recorder` wrote."""
+        """Combine the files written by :mod:`tests.mutants.recorder`."""
         seconds: dict[str, float] = {}
         by_line: dict[Line, set[str]] = defaultdict(set)
         for file in files:
@@ -58,7 +58,7 @@ class Reach:
         self._root, self._recorded = root, recorded
 
     def tests(self, mutation: Mutation, budget_s: float) -> list[str]:
-        """Tests that may notice it, the quickest first, those of its own part before others, for so many seconds."""
+        """Tests that may notice it, within ``budget_s``: those of its own part first, each group quickest first."""
         own = PARTS[part_of(mutation.file)][1]
         seconds = self._recorded.seconds
         found = self._of_line((mutation.file, mutation.line), _DEPTH, set()) or self._naming(mutation.file)
@@ -72,7 +72,7 @@ class Reach:
         return chosen
 
     def seconds(self, tests: Iterable[str]) -> float:
-        """How long they took when they were recorded."""
+        """How long the tests took when they were recorded."""
         return sum(self._recorded.seconds[test] for test in tests)
 
     def _of_line(self, line: Line, depth: int, visited: set[Line]) -> frozenset[str]:
@@ -81,7 +81,7 @@ class Reach:
         if (direct and not statement.imported) or depth == 0 or line in visited:
             return direct
         visited.add(line)
-        if statement.body:  # defaults of a function: whoever runs it
+        if statement.body:  # defaults of a function: the tests that run its body
             inside = self._ran(line[0], statement.body)
             if inside:
                 return inside
@@ -90,7 +90,7 @@ class Reach:
         return frozenset().union(*found)
 
     def _naming(self, file: str) -> frozenset[str]:
-        """Tests of files that name a module, or are named as it is: what runs in a process of its own is not seen."""
+        """Tests in files that name a module or are named after it, since separate processes are not recorded."""
         stem, module, out = Path(file).stem, file.removesuffix(".py").replace("/", "."), set()
         for test in self._recorded.seconds:
             where = test.partition("::")[0]
@@ -107,7 +107,7 @@ class Reach:
         return frozenset().union(*(self._recorded.by_line.get((file, line), frozenset()) for line in lines))
 
     def _users(self, name: str, file: str) -> list[Line]:
-        """Lines that name something of a file: in the file, and where it is imported or is an attribute."""
+        """Lines that use a name of a file: in the file, in files that import it, and as an attribute anywhere."""
         module = file.removesuffix(".py").replace("/", ".")
         return [
             (other, line)
@@ -141,16 +141,16 @@ class Reach:
 
 @dataclass(frozen=True)
 class Statement:
-    """What stands around a line."""
+    """The statement around a line."""
 
     lines: Sequence[int]
-    """Of the statement, or of the head of a compound one."""
+    """Lines of the statement, or of the head of a compound statement."""
     names: Sequence[str]
-    """By which others use what it makes."""
+    """Names by which other code uses what the statement defines."""
     imported: bool
-    """Whether it runs while the module is imported."""
+    """Whether the statement runs while the module is imported."""
     body: Sequence[int] = ()
-    """Lines of the function whose head it is."""
+    """Lines of the function's body if the line is in its head."""
 
 
 def _statement(tree: ast.Module, line: int) -> Statement:
@@ -189,7 +189,7 @@ def _first(node: ast.stmt) -> int:
 
 
 def _statements(node: ast.AST) -> list[ast.stmt]:
-    """Statements directly below a node, in whatever branch."""
+    """Statements directly below a node, in all branches."""
     out: list[ast.stmt] = []
     for child in ast.iter_child_nodes(node):
         if isinstance(child, ast.stmt):

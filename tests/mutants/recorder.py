@@ -1,4 +1,4 @@
-"""A pytest plugin that notes for every test which lines it runs, how long it takes and whether it passes.
+"""A pytest plugin that records which lines each test runs, how long it takes and whether it passes.
 
 ``python -m pytest -p tests.mutants.recorder --record FILE.json tests/task/test_rules.py``. Cases of one parametrised
 test are one test here. Lines that run while modules are imported belong to no test; nor do those of compiled kernels.
@@ -15,7 +15,7 @@ from typing import Any, Final
 import coverage
 import pytest
 
-#: Folders whose lines are noted: product code, and tests because some call a kernel themselves.
+#: Folders whose lines are recorded: product code, and tests because some call kernels directly.
 MEASURED: Final = ("ucon", "models", "tests")
 
 
@@ -50,7 +50,7 @@ class Recorder:
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         test = _test(report.nodeid)
         self._seconds[test] += report.duration
-        if not report.passed:  # a test that is skipped here kills nothing either
+        if not report.passed:  # a skipped test kills nothing either
             self._bad.add(test)
 
     def pytest_sessionfinish(self) -> None:

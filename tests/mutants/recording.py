@@ -1,4 +1,4 @@
-"""What each test file runs, recorded once; kept while files change, as far as it stays true."""
+"""What each test file runs, recorded once and kept while files change, as far as it stays valid."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def test_files(root: Path, parts: Iterable[str]) -> list[str]:
 
 
 def missing(root: Path, session: Path, parts: Iterable[str]) -> list[str]:
-    """Test files of parts that were not recorded as they are now; records of what they were are removed."""
+    """Test files of parts without a record of their current content; outdated records are removed."""
     valid = {_name(root, file) for file in test_files(root, PARTS)}
     for path in (session / "map").glob("*.json"):
         if path.stem not in valid:
@@ -34,7 +34,7 @@ def missing(root: Path, session: Path, parts: Iterable[str]) -> list[str]:
 
 
 def recorded(root: Path, session: Path, file: str) -> Path:
-    """Where the record of a test file is."""
+    """Path of the record of a test file."""
     return session / "map" / f"{_name(root, file)}.json"
 
 
@@ -46,7 +46,7 @@ def record(root: Path, session: Path, number: int, file: str) -> None:
     """Run a test file in copy ``number`` and note which lines its tests run.
 
     Raises:
-        RuntimeError: pytest did not get to the end.
+        RuntimeError: pytest did not finish.
     """
     copy, out = session / f"copy-{number}", recorded(root, session, file)
     out.parent.mkdir(exist_ok=True)
@@ -55,13 +55,13 @@ def record(root: Path, session: Path, number: int, file: str) -> None:
     done = subprocess.run(
         words, cwd=copy, env=environment(copy, session / "cache"), capture_output=True, text=True, timeout=_LIMIT_S
     )
-    if done.returncode not in (0, 1, 5):  # 1: some failed by themselves and are left out, 5: all of them are slow
+    if done.returncode not in (0, 1, 5):  # 1: some fail without a mutation and are left out; 5: all are slow
         raise RuntimeError(f"{file}: {done.stdout[-2000:]}{done.stderr[-2000:]}")
     Path(f"{out}.part").replace(out)
 
 
 def follow(session: Path, before: Mapping[str, str], after: Callable[[str], str]) -> None:
-    """Move records along with the lines of files that were changed: ``before`` is what they were."""
+    """Adjust the line numbers in records to changed files; ``before`` has their old texts."""
     ways = {file: moved(text, after(file)) for file, text in before.items()}
     for path in (session / "map").glob("*.json"):
         found = json.loads(path.read_text())
@@ -75,7 +75,7 @@ def follow(session: Path, before: Mapping[str, str], after: Callable[[str], str]
 
 
 def moved(before: str, after: str) -> dict[int, list[int]]:
-    """Where each line went; lines that were changed together went to all that replaced them."""
+    """New line numbers of each old line; changed lines map to all lines that replaced their block."""
     out: dict[int, list[int]] = {}
     matcher = difflib.SequenceMatcher(None, before.splitlines(), after.splitlines(), autojunk=False)
     for what, a, b, c, d in matcher.get_opcodes():

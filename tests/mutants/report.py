@@ -1,4 +1,4 @@
-"""What came of all mutants: a table by part, and those that lived."""
+"""Outcome of all mutants: a table by part, and the survivors."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ EQUIVALENT: Final = Path(__file__).with_name("equivalent.yaml")
 
 @dataclass(frozen=True)
 class Outcome:
-    """Of one mutant."""
+    """The outcome of one mutant."""
 
     mutation: Mutation
     after: str
@@ -27,19 +27,19 @@ class Outcome:
 
 
 def known(path: Path = EQUIVALENT) -> dict[tuple[str, str, str, str], str]:
-    """Why a mutant is equivalent, by file, function, line and mutated line."""
+    """Reasons why mutants are equivalent, by file, function, line and mutated line."""
     rows = yaml.safe_load(path.read_text())
     return {(row["file"], row["function"], row["before"], row["after"]): row["reason"] for row in rows}
 
 
 def reason(outcome: Outcome, equivalent: Mapping[tuple[str, str, str, str], str]) -> str | None:
-    """Why it may live; None where nothing says so."""
+    """Why a surviving mutant is equivalent; None if it is not listed."""
     mutation = outcome.mutation
     return equivalent.get((mutation.file, mutation.function, mutation.text, outcome.after))
 
 
 def report(outcomes: Sequence[Outcome], equivalent: Mapping[tuple[str, str, str, str], str]) -> str:
-    """The table by part, then every mutant that lived."""
+    """The table by part, then every surviving mutant."""
     rows = [("part", "mutants", "killed", "equivalent", "to look at")]
     for name in (*PARTS, "all"):
         of = [one for one in outcomes if name in ("all", part_of(one.mutation.file))]
@@ -62,5 +62,5 @@ def _survivors(outcomes: Iterable[Outcome], equivalent: Mapping[tuple[str, str, 
 
 
 def killed_share(outcomes: Sequence[Outcome]) -> float:
-    """Share of all mutants that were killed; those listed as equivalent count as alive."""
+    """Share of all mutants that were killed; survivors listed as equivalent count as alive."""
     return sum(one.killed for one in outcomes) / len(outcomes)

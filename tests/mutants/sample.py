@@ -1,8 +1,8 @@
-"""Which mutations are tried: a draw that changes only where code changes.
+"""Which mutations are tried: a random sample that changes only where the code changes.
 
-Every place of the code has a rank, a hash of the seed and of what stands there; a part gives its places of lowest
-rank, as many as its share of all places, and each place one of its mutations, by rank again. Places rather than
-mutations are drawn, for an ``a + b`` can be mutated in twelve ways, most of them errors of type, an ``and`` in one.
+Every place in the code has a rank, a hash of the seed and of the code there. Each part contributes its places of lowest
+rank, in proportion to its number of places, and each place one of its mutations, again by rank. Places are sampled
+rather than mutations, because ``a + b`` can be mutated in twelve ways, most of them type errors, and ``and`` in one.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Final
 
 from tests.mutants.places import Mutation, mutated, mutations, rank
 
-#: By name: the folder of its code, and where its own tests are.
+#: Parts by name: the folder of the code, and that of its own tests.
 PARTS: Final[Mapping[str, tuple[str, str]]] = {
     **{
         name: (f"ucon/{name}", f"tests/{name}")
@@ -34,7 +34,7 @@ def part_of(file: str) -> str:
 
 
 def sampled(root: Path, count: int, seed: int) -> list[Mutation]:
-    """``count`` mutations of the tree at ``root``, those of a part together."""
+    """``count`` mutations of the tree at ``root``, grouped by part."""
     places = {name: _places(root, folder) for name, (folder, _) in PARTS.items()}
     shares = allotted({name: len(found) for name, found in places.items()}, count)
     out: list[Mutation] = []
@@ -46,7 +46,7 @@ def sampled(root: Path, count: int, seed: int) -> list[Mutation]:
 
 
 def _drawn(root: Path, found: Sequence[Mutation], seed: int) -> Mutation | None:
-    """The mutation of lowest rank that is Python: an operator may stand where it is none (``def f(*, x)``)."""
+    """The mutation of lowest rank that is valid Python; not every ``*`` is an operator (``def f(*, x)``)."""
     for mutation in sorted(found, key=lambda mutation: rank(seed, mutation.key)):
         with contextlib.suppress(SyntaxError):
             compile(mutated((root / mutation.file).read_text(), mutation), mutation.file, "exec")
@@ -55,7 +55,7 @@ def _drawn(root: Path, found: Sequence[Mutation], seed: int) -> Mutation | None:
 
 
 def allotted(sizes: Mapping[str, int], count: int) -> dict[str, int]:
-    """``count`` shared out in proportion to sizes, whole, the largest remainders rounded up."""
+    """``count`` divided in proportion to sizes into whole numbers, rounding up the largest remainders."""
     exact = {name: count * size / sum(sizes.values()) for name, size in sizes.items()}
     out = {name: int(share) for name, share in exact.items()}
     for name in sorted(exact, key=lambda name: out[name] - exact[name])[: count - sum(out.values())]:

@@ -1,4 +1,4 @@
-"""The harness of mutation testing: what it tries, by which tests, and that the tree stays as it is."""
+"""The mutation testing harness: what it tries, with which tests, and that the tree stays unchanged."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def tree(root: Path, **files: str) -> Path:
 
 
 def test_mutations_are_cosmic_rays_own(tmp_path: Path) -> None:
-    """Numbers of occurrences are its count in the file, so that what it makes is what was drawn."""
+    """Occurrences are numbered as cosmic-ray counts them, so it makes exactly the mutation that was drawn."""
     file = "ucon/evaluation/figures/metrics.py"
     with use_db(str(tmp_path / "all.sqlite"), WorkDB.Mode.create) as db:
         init([ROOT / file], db, {})
@@ -252,7 +252,7 @@ def test_those_that_live_are_listed_and_those_listed_count_as_alive(tmp_path: Pa
 
 
 def test_mutants_listed_as_equivalent_are_still_there() -> None:
-    """A reason is of a line; when that changes, its mutant is to be judged anew."""
+    """A reason is given for a certain line; when the line changes, its mutant must be judged again."""
     by_file: dict[str, set[tuple[str, str, str]]] = {}
     for (file, function, before, after), why in known().items():
         assert len(why) > 20

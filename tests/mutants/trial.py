@@ -1,4 +1,4 @@
-"""One mutant: made in a copy of the tree, tested, and taken back."""
+"""One mutant: made in a copy of the tree, tested, and reverted."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ from cosmic_ray.work_item import TestOutcome
 from tests.mutants.copies import environment, kernels, mutants_kernels, own_cache
 from tests.mutants.places import Mutation
 
-#: No test needs more; a mutant that multiplies a size must not take the machine with it.
+#: No test needs more; a mutant that multiplies a size must not bring the machine down.
 MEMORY_BYTES: Final = 10 << 30
 OUT_OF_TIME: Final = "out of time"
-#: Tests of a mutant may take so many times as long as they took, and so much longer for starting and for compiling.
+#: Time limit for a mutant's tests: this multiple of their recorded time, plus seconds for starting and for compiling.
 _SLOWER, _STARTING_S, _COMPILING_S = 5.0, 90.0, 240.0
 
 
 @dataclass(frozen=True)
 class Tried:
-    """What came of it."""
+    """The outcome of a trial."""
 
     killed: bool
     by: str
-    """The test that failed, or why there was none."""
+    """The test that failed, or why none did."""
 
 
 def attempt(session: Path, number: int, mutation: Mutation, tests: Sequence[str], seconds: float) -> Tried:
-    """Try a mutation in copy ``number`` of a session, by ``tests``, which take so many seconds without it."""
+    """Try a mutation in copy ``number`` of a session with ``tests``, which take ``seconds`` without it."""
     if not tests:
         return Tried(False, "no test reaches it")
     copy = session / f"copy-{number}"
@@ -54,7 +54,7 @@ def attempt(session: Path, number: int, mutation: Mutation, tests: Sequence[str]
             limit = _STARTING_S + _SLOWER * seconds + compiling * _COMPILING_S
             outcome, output = run_tests(command + " ".join(tests), limit)
     finally:
-        os.utime(path, ns=(dates.st_atime_ns, dates.st_mtime_ns))  # what is compiled of it stays good
+        os.utime(path, ns=(dates.st_atime_ns, dates.st_mtime_ns))  # compiled bytecode stays valid
     if outcome == TestOutcome.INCOMPETENT or ("no tests ran" in output and "ERROR" not in output):
         raise RuntimeError(f"{mutation.file}:{mutation.line}: {output}")
     killed = outcome == TestOutcome.KILLED

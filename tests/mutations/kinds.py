@@ -1,4 +1,4 @@
-"""Every kind of file that others may have written: a small real one of each, and the command that reads it.
+"""Every kind of file that others may have written: a small real example, and the command that reads it.
 
 A new kind is one function: it makes its files in an empty folder and returns a :class:`Kind`.
 """
@@ -51,21 +51,21 @@ class Kind:
     """One kind of file."""
 
     files: tuple[str, ...]
-    """Those that are mutated, in its folder."""
+    """The files that are mutated, relative to its folder."""
     read: Callable[[Path], Any]
-    """Reads them as the command does, from a copy of the folder; what comes out is compared."""
+    """Reads the files as the command does, from a copy of the folder; the results are compared."""
     other: bytes = b""
-    """Another file of this kind, for values of another run."""
+    """Content of another file of this kind, for values of another run."""
     authored: bool = False
-    """People write these values, so another value is no damage, but what they wanted."""
+    """Whether people write these values, so that another value is intended and not damage."""
     unpack: Callable[[bytes], bytes] | None = None
     pack: Callable[[bytes], bytes] | None = None
     seal: Callable[[Path], None] | None = None
-    """Bring the folder's checksums up to date, as whoever forges a file does; other values are then no damage."""
+    """Updates the folder's checksums, as a forger would; other values then cannot be noticed."""
 
 
 def command(copy: Path, *arguments: str) -> Any:
-    """What ``python -m ucon`` prints, wherever the files lie; raises :class:`UconError` where it ends with 2 or 1."""
+    """The output of ``python -m ucon`` without the folder's path; raises :class:`UconError` on exit code 1 or 2."""
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         code = main(list(arguments))
@@ -75,7 +75,7 @@ def command(copy: Path, *arguments: str) -> Any:
 
 
 def run_of(folder: Path, agent: str, *, finish: bool = True) -> dict[str, Any]:
-    """Two episodes by an agent; without ``finish`` it is interrupted when both are played."""
+    """Play two episodes with an agent; without ``finish`` the run is interrupted after both."""
     with initialize_config_dir(str(ROOT / "configs"), version_base="1.3"):
         overrides = [f"agent={agent}", "habit_level=none", "limit=2", "workers=0", "pictures=0", f"out={folder}"]
         config: Any = OmegaConf.to_container(compose("eval", overrides), resolve=True)
@@ -156,7 +156,7 @@ def _home_packed(raw: bytes) -> Callable[[bytes], bytes]:
 
 
 def home(folder: Path) -> Kind:
-    """Any home's file by itself, its checksum always made right."""
+    """The file of a home by itself, always with a correct checksum."""
     shipped = cache.PACKED / cache.file_name(HOME)
     raw = shipped.read_bytes()
     (folder / "some.home").write_bytes(raw)
@@ -187,7 +187,7 @@ def home_in_pack(folder: Path) -> Kind:
 
 
 def home_in_cache(folder: Path) -> Kind:
-    """Damaged ones are built again by PyBullet, the very same."""
+    """Damaged homes in the cache are rebuilt by PyBullet and come out the same."""
     inside = Path("cache") / cache.cache_folder().relative_to(cache.user_cache())
     (folder / inside).mkdir(parents=True)
     shutil.copy(cache.PACKED / cache.file_name(HOME), folder / inside)
@@ -238,7 +238,7 @@ def _seal(inside: str = "") -> Callable[[Path], None]:
 
 
 def episode_file(folder: Path) -> Kind:
-    """Two episodes of `mini`, as ``episodes verify`` reads them."""
+    """Two episodes of ``mini``, as ``episodes verify`` reads them."""
     save_episodes(load_episodes("mini")[:2], folder / "some.jsonl.xz")
     other = folder / "other" / "some.jsonl.xz"
     save_episodes(load_episodes("mini")[2:4], other)
@@ -271,13 +271,13 @@ def answer_cache(folder: Path) -> Kind:
     def read(copy: Path) -> Any:
         with contextlib.redirect_stderr(io.StringIO()):
             kept = AnswerCache(copy).get(key)
-        return kept or (said, 1.5)  # a damaged one is asked for again
+        return kept or (said, 1.5)  # if damaged, the model is asked again
 
     return Kind((file.as_posix(),), read, (folder / "other/00" / f"{'0' * 64}.json").read_bytes())
 
 
 def checkpoint(folder: Path) -> Kind:
-    """A run that goes on from its last checkpoint to the end."""
+    """A run that continues from its last checkpoint to the end."""
     begun = TrainingRun(folder / "run", Line(), Plan(4, validate_every=2, save_every=2), {"config": "a"})
     begun.start("agent: none\n")
     begun.run()
@@ -315,7 +315,7 @@ class _Net(torch.nn.Module):
 
 
 def weights(folder: Path) -> Kind:
-    """A network's weights, as agents are given them."""
+    """A network's weights, as they are given to agents."""
     torch.manual_seed(0)
     for name, content in network_files(_Net()).items():  # type: ignore[arg-type]
         write_atomic(folder / name, content)
@@ -356,7 +356,7 @@ def habit_file(folder: Path) -> Kind:
 
 
 def habit_text(folder: Path) -> Kind:
-    """A book of one's own: a folder of text."""
+    """A user's own book: a folder of text files."""
     source = ROOT / "ucon/habits/book"
     (folder / "book").mkdir()
     for name in ("anchors.txt", sorted(path.name for path in source.glob("*.txt") if path.name != "anchors.txt")[0]):
@@ -383,7 +383,7 @@ def release_file(folder: Path) -> Kind:
 
 
 def vectors(folder: Path) -> Kind:
-    """Vectors of texts and sparse weights in the cache: damaged ones are encoded again."""
+    """Vectors of texts and sparse weights in the cache; damaged ones are encoded again."""
     keys, rows = [bytes([i]) * 16 for i in range(3)], np.eye(3, 8, dtype=np.float16)
     TextCache(folder / "text", 8).add(keys, rows)
     sparse = SparseRows.stack([(np.arange(3, dtype=np.int32), np.ones(3, np.float16))] * 2)

@@ -1,6 +1,6 @@
-"""What happens to files: bits flip, ends are cut off, people edit them, and somebody may want to do harm.
+"""Changes to files: flipped bits, truncation, edits by people, and attacks.
 
-A mutation is drawn by a seed alone, so what was found can be repeated.
+A mutation depends only on a seed, so that findings can be repeated.
 """
 
 import random
@@ -116,7 +116,7 @@ def _key(raw: bytes, rng: random.Random, other: bytes) -> bytes:
 
 
 def _of_other(raw: bytes, rng: random.Random, other: bytes) -> bytes:
-    """Lines of another run or file of the same kind."""
+    """Use content of another run or file of the same kind."""
     lines, others = raw.splitlines(keepends=True), other.splitlines(keepends=True)
     if not others or rng.random() < 0.3:
         return other
@@ -141,12 +141,12 @@ def _endless(path: Path) -> None:
 
 
 def _gone(path: Path) -> None:
-    """Nothing is put in its place."""
+    """Leave the file missing."""
 
 
 def _large(path: Path) -> None:
     with path.open("wb") as file:
-        file.truncate(1 << 41)  # two terabytes that take no room
+        file.truncate(1 << 41)  # a sparse file of two terabytes
 
 
 BYTES: dict[str, Change] = {
@@ -156,7 +156,7 @@ BYTES: dict[str, Change] = {
         *(_value, _swapped_values, _key, _of_other),
     )
 }
-#: Those that look into what is packed.
+#: Mutations that are also made inside packed content.
 INSIDE = ("flip", "cut", "insert", "mark", "lines", "value", "swapped_values", "key", "of_other")
 PLACES: dict[str, Callable[[Path], None]] = {
     place.__name__.strip("_"): place for place in (_directory, _loop, _dangling, _endless, _gone, _large)

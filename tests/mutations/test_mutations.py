@@ -1,6 +1,6 @@
-"""Whatever happened to a file, its reader gives the very same result or one line: no traceback, no other figure.
+"""Whatever happened to a file, its reader gives the same result or an error in one line: no traceback, no other figure.
 
-And it starts no program and opens no socket. To repeat what failed: ``pytest tests/mutations -k 'KIND and 17'``.
+It also starts no program and opens no socket. To repeat a failure: ``pytest tests/mutations -k 'KIND and 17'``.
 """
 
 import random
@@ -18,14 +18,14 @@ from tests.mutations.watch import limited, watched
 from ucon.core.errors import UconError
 from ucon.habits.book import MOST_TOLD
 
-#: Mutations of all kinds together; those that `make test` draws come first.
+#: Numbers of mutations of all kinds together; those of `make test` come first.
 FAST, ALL = 48, 336
 _EACH = ALL // len(KINDS)
 
 
 @dataclass(frozen=True)
 class Made:
-    """A kind's files, and what their reader says of them as they are."""
+    """A kind's files, and what their reader returns for the unchanged files."""
 
     kind: Kind
     folder: Path
@@ -34,7 +34,7 @@ class Made:
 
 @pytest.fixture(scope="session")
 def made(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Made]:
-    """Kinds that were made already; each is made when it is first asked for."""
+    """Kinds made so far; each is made on first use."""
     return {}
 
 
@@ -49,7 +49,7 @@ def _made(name: str, made: dict[str, Made], factory: pytest.TempPathFactory) -> 
 
 
 def mutate(kind: Kind, folder: Path, rng: random.Random) -> tuple[str, bool]:
-    """Change one file; what was done, and whether other values are now right."""
+    """Change one file; returns what was done, and whether other results are now acceptable."""
     path = folder / rng.choice(kind.files)
     raw = path.read_bytes()
     forged = kind.seal is not None and path.name != "MANIFEST.json" and rng.random() < 0.4
@@ -70,7 +70,7 @@ def mutate(kind: Kind, folder: Path, rng: random.Random) -> tuple[str, bool]:
 
 
 def verdict(kind: Kind, folder: Path, right: Any, *, free: bool) -> str:
-    """What is wrong with how a mutated file was read; empty if nothing."""
+    """What is wrong with how a mutated file was read; empty if nothing is."""
     found: Any = right
     with watched() as events, limited():
         try:
@@ -81,7 +81,7 @@ def verdict(kind: Kind, folder: Path, right: Any, *, free: bool) -> str:
                 return f"no single line, and no list of faults: {str(error)[:300]!r}"
             if not all(line.isprintable() and 0 < len(line) < 2000 for line in (first, *listed)):
                 return f"lines that cannot be shown: {str(error)[:300]!r}"
-        except Exception:  # a MemoryError too: it took more than any file may
+        except Exception:  # also a MemoryError: no file may take that much
             return traceback.format_exc(limit=-6)
     if events:
         return f"it did {events[:3]}"

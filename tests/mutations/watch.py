@@ -1,4 +1,4 @@
-"""What a call does beside its result: programs that it starts, sockets that it opens, memory that it takes."""
+"""Side effects of a call: programs that it starts, sockets that it opens, memory that it takes."""
 
 import contextlib
 import sys
@@ -28,7 +28,7 @@ def _hook(event: str, arguments: tuple[object, ...]) -> None:
 
 @contextlib.contextmanager
 def watched() -> Iterator[list[str]]:
-    """Python's audit events of what runs inside; a hook cannot be taken off again, so there is one in a process."""
+    """Yield the audit events of the code inside; hooks cannot be removed, so there is one per process."""
     global _seen, _hooked
     if not _hooked:
         sys.addaudithook(_hook)
@@ -42,7 +42,7 @@ def watched() -> Iterator[list[str]]:
 
 @contextlib.contextmanager
 def limited(more_bytes: int = 4 << 30) -> Iterator[None]:
-    """Let what runs inside take so much memory beside what this process has; more is a MemoryError (on Linux)."""
+    """Limit the memory that the code inside may take in addition; more is a MemoryError (on Linux)."""
     size = Path("/proc/self/statm")
     if not size.is_file():
         yield

@@ -1,8 +1,8 @@
-"""Writes down every attempt of this process to reach another machine.
+"""Logs every attempt of this process to reach another machine.
 
-Python imports a module of this name from its path as it starts, so a command whose ``PYTHONPATH`` names this folder is
-watched, and whatever Python it starts. Attempts are appended to the file that ``UCON_NETWORK_LOG`` names, one a line:
-the event, the address and the command. Loopback, Unix sockets and addresses without a host are no attempts.
+Python imports a module of this name from its path at start-up, so a command whose ``PYTHONPATH`` contains this folder
+is watched, with every Python process that it starts. Attempts are appended to the file named by ``UCON_NETWORK_LOG``,
+one per line: event, address, process and command. Loopback, Unix sockets and addresses without a host do not count.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import sys
 from typing import Any
 
 _LOG = os.environ.get("UCON_NETWORK_LOG", "")
-#: Place of the address among the arguments of an event.
+#: Position of the address among the arguments of an event.
 _ADDRESS = {
     "socket.connect": 1,
     "socket.sendto": 1,
@@ -25,7 +25,7 @@ _ADDRESS = {
 
 
 def is_elsewhere(address: Any) -> bool:
-    """Whether an address of a socket, or a host's name, is of another machine."""
+    """Whether a socket address or host name belongs to another machine."""
     if isinstance(address, tuple) and address:
         address = address[0]
     host = address.decode(errors="replace") if isinstance(address, bytes) else address

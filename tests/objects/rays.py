@@ -1,4 +1,4 @@
-"""Rays against the convex parts of a model, as flat-sided as they are drawn: a second opinion on what can be seen."""
+"""Rays against a model's convex parts, with the flat sides of the renderer: a second opinion on what can be seen."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def planes(part: Part) -> tuple[Array, Array]:
 
 
 def pose(model: ObjectModel, link: int, opening: float) -> tuple[Array, Array]:
-    """Rotation and translation that a joint gives to what it carries, at ``opening`` 0..1."""
+    """Rotation and translation of the parts that a joint carries, at ``opening`` 0..1."""
     if link < 0 or opening == 0.0:
         return np.eye(3), np.zeros(3)
     joint = model.joints[link]

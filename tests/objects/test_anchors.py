@@ -1,4 +1,4 @@
-"""Every anchor of the habit book can bear each relation that the book allows for it."""
+"""Every anchor of the habit book supports each relation that the book allows for it."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_anchor_bears_relation(anchor: str, relation: str) -> None:
 
 
 def test_hanging_things_have_their_space_below() -> None:
-    """Seen from the object, the floor of the room lies below its bottom."""
+    """Free spaces below end at z = 0 or at the floor of the room, which is below a hanging object's bottom."""
     for row in catalogue():
         for u in build_model(row.name).under:
             assert u[2] in (0.0, -row.bottom_z_m)

@@ -1,4 +1,4 @@
-"""The catalogue's file is read whole, and a damaged one is named by file and line."""
+"""The catalogue file is read completely, and damage is reported with file and line."""
 
 from __future__ import annotations
 

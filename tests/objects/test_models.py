@@ -19,7 +19,7 @@ NAMES = catalogue().names
 SLACK = 1e-3
 MOST_PARTS = 17
 MOST_PARTS_OPENABLE = 24
-"""A chest of three drawers needs five parts a drawer, five panels, two rails, plinth and top."""
+"""A chest of three drawers needs five parts per drawer, five panels, two rails, plinth and top."""
 
 
 def overlap(a: Box3, b: Box3) -> float:
@@ -28,7 +28,7 @@ def overlap(a: Box3, b: Box3) -> float:
 
 
 def blocking(model: ObjectModel, space: Box3) -> list[tuple[str, float]]:
-    """Parts whose interior reaches into ``space``; turned parts are tested by points."""
+    """Parts whose interior reaches into ``space``; all but upright boxes are tested by points."""
     found = []
     low, high = np.array(space[:3]), np.array(space[3:])
     grid = np.stack(np.meshgrid(*[np.linspace(0.04, 0.96, 7)] * 3), -1).reshape(-1, 3)
@@ -70,7 +70,7 @@ def test_shape(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_meaning(name: str) -> None:
-    """What the catalogue says of a category is what its model does."""
+    """A category's model does what the catalogue says."""
     model, row = build_model(name), catalogue()[name]
     assert model.openable == row.openable
     assert bool(model.compartments) == row.container
@@ -85,7 +85,7 @@ def test_meaning(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_places(name: str) -> None:
-    """Surfaces are bare, compartments and spaces below are empty, and all lie where the object is."""
+    """Surfaces are clear, compartments and spaces below are empty, and all are within the object's footprint."""
     model = build_model(name)
     x, y, z = model.size
     for s in model.surfaces:

@@ -1,4 +1,4 @@
-"""Closed, nothing inside can be seen from anywhere; open, it can, from where a robot stands."""
+"""When closed, nothing inside can be seen from anywhere; when open, it can, from where a robot can stand."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def model_at(name: str, width: float) -> ObjectModel:
 
 
 def base_height(name: str) -> float:
-    """Height above the floor at which it is used: small things stand on a table of 0.75 m or on the floor."""
+    """Height of the object's bottom above the floor of the room."""
     return catalogue()[name].bottom_z_m
 
 
@@ -55,7 +55,7 @@ def test_closed_hides_everything(name: str, width: float) -> None:
 @pytest.mark.parametrize("width", [0.8, 1.0, 1.5])
 @pytest.mark.parametrize("name", OPENABLE)
 def test_open_shows_what_lies_there(name: str, width: float) -> None:
-    """A 6 cm cube on the floor of a compartment shows a face to some standing place, nearly wherever it lies."""
+    """A 6 cm cube on a compartment's floor can be seen from some standing place, nearly wherever it lies."""
     model = model_at(name, width)
     heights = [base_height(name)]
     if catalogue()[name].mount == "surface":
@@ -72,7 +72,7 @@ def test_open_shows_what_lies_there(name: str, width: float) -> None:
 
 
 def visible_share(model: ObjectModel, c: Compartment, xy: Array, half: Array, height: float) -> float:
-    """Share of the spots whose cube is seen from some place at most 1 m from it, with the joints open."""
+    """Share of the spots whose cube is seen from some place at most 1.1 m from it, with the joints open."""
     turn, shift = pose(model, c.link, 1.0)
     x, y, _ = model.size
     seen = 0
@@ -102,7 +102,7 @@ def visible_share(model: ObjectModel, c: Compartment, xy: Array, half: Array, he
 
 @pytest.mark.parametrize("name", OPENABLE)
 def test_leaves_stay_in_front_of_their_own_unit(name: str) -> None:
-    """Neighbours in a run are not hit: what a joint carries leaves the width of the unit by less than 5 mm."""
+    """Neighbours are not hit: what a joint carries leaves the width of the unit by less than 5 mm."""
     model = build_model(name)
     y = model.size[1]
     if any(joint.axis[0] for joint in model.joints if joint.kind == "revolute"):

@@ -1,4 +1,4 @@
-"""A headless Chromium for the tests of all pages; a test fails on any console error and any request elsewhere."""
+"""A headless Chromium for tests of pages; a test fails on any console error or request to another host."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from urllib.parse import urlsplit
 
 import pytest
 
-#: Requests that leave nothing: files, and data within the page.
+#: Schemes of requests that do not leave the page: files, and data within it.
 _OWN = ("file", "data", "blob", "about")
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    """The system's Chromium, started once a module: while it runs, no test of this process can use asyncio itself."""
+    """The system's Chromium, started once per module: while it runs, no test in this process can use asyncio."""
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     path = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if path is None:
@@ -28,7 +28,7 @@ def browser() -> Iterator[Any]:
 
 @pytest.fixture
 def browser_page(browser: Any) -> Iterator[Any]:
-    """A page of its own; at the end of the test nothing may have been wrong in it, and nobody else been asked."""
+    """A new page; at the end of the test it must have had no errors and no requests to other hosts."""
     context = browser.new_context(viewport={"width": 1440, "height": 900})
     context.set_default_timeout(15_000)
     page, wrong = context.new_page(), []
@@ -46,12 +46,12 @@ def _is_foreign(url: str) -> bool:
 
 
 def wider_than_the_window(page: Any) -> float:
-    """Pixels that a page is wider than its window; 0 where nobody has to scroll sideways."""
+    """By how many pixels a page is wider than its window; 0 if no sideways scrolling is needed."""
     return float(page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth"))
 
 
 def contrast(page: Any, selector: str) -> float:
-    """Least contrast (WCAG, 1 to 21) of the text of shown elements that match a selector, with what is behind it."""
+    """Least contrast (WCAG, 1 to 21) between text and background of the visible elements that match a selector."""
     return float(page.evaluate(_CONTRAST, selector))
 
 

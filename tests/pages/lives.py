@@ -1,4 +1,4 @@
-"""Short runs of lives for the pages."""
+"""Short runs of lives for tests of pages."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ucon.lives.sets import save_lives
 from ucon.programs.composing import eval_config
 from ucon.programs.evaluating import Evaluation
 
-#: Requests of each of the two lives, and their days, on the last of which habits change.
+#: Numbers of requests and days in each of the two lives; habits change on the last day.
 EACH, DAYS = 8, 3
 
 
@@ -20,11 +20,11 @@ def two_lives() -> list[Life]:
 
 
 def run_of_lives(folder: Path, name: str, *words: str) -> Evaluation:
-    """A run in two short lives, not played yet.
+    """A run over two short lives, not played yet.
 
     Args:
-        folder: of the lives' file, and of the run.
-        name: of the run's folder.
+        folder: folder for the file of lives and for the run.
+        name: name of the run's folder.
         words: options of ``eval.py``, with agent and memory.
     """
     path = folder / "two.lives.xz"

@@ -13,7 +13,7 @@ HALF, SIDE, EYE_M = 4, 9, 1.25
 
 
 def best(steps: np.ndarray, thing: np.ndarray, reach_m: float) -> tuple[int, list[int]]:
-    """Cost and pose (i, j, heading, row of eyes) for one thing, by an empty map and a level camera."""
+    """Cost and pose (i, j, heading, row of eyes) for one thing, with an empty map and a level camera."""
     height, walls = np.zeros((SIDE, SIDE), np.float32), np.zeros((2, SIDE, SIDE), np.uint8)
     out, cost = np.full((1, 4), -1, np.int32), np.full(1, UNREACHED, np.int32)
     eyes, seen = np.array([[EYE_M, 1.0, 0.0, 0.0]]), np.array([[1e6, 1.0]])

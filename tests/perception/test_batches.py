@@ -1,4 +1,4 @@
-"""What kernels find for many things at once is what going through them one by one finds, on maps of real episodes."""
+"""Kernels that handle many things at once agree with handling them one by one, on maps of real episodes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Known = tuple[SemanticMap, Planner, Places]
 
 @pytest.fixture(scope="module")
 def maps() -> list[Known]:
-    """Maps of three episodes at every second choice."""
+    """Maps from three episodes, at every second choice."""
     return [known for episode in (1, 8, 40) for known in list(_choices(episode))[::2]]
 
 
@@ -40,7 +40,7 @@ def _choices(episode: int) -> Iterator[Known]:
     while not over:
         action = explorer.look(obs, info)
         if action is None:
-            offered = explorer.decision().candidates  # brings the planner up to date
+            offered = explorer.decision().candidates  # updates the planner
             yield deepcopy((explorer.map, explorer.planner, explorer.strategy._places))  # type: ignore[attr-defined]
             action = explorer.choose(int(draw.integers(len(offered))))
         obs, _, terminated, truncated, info = env.step(int(action))
@@ -61,7 +61,7 @@ def reach_m(known: SemanticMap, track: int) -> float:
 
 
 def poses(known: SemanticMap, track: int) -> Iterator[tuple[View, float, float]]:
-    """All poses on explored nodes in reach that have a thing in their picture, its depth and the camera's height."""
+    """Poses on explored nodes in reach with a thing in view; for each, the thing's depth and the camera's height."""
     x, y, z = middle(known.box[track])
     for i, j in np.argwhere(known.explored > 0).tolist():
         if known.gap_m(track, View(i, j, 0).xy) > reach_m(known, track):
@@ -80,7 +80,7 @@ def poses(known: SemanticMap, track: int) -> Iterator[tuple[View, float, float]]
 def cheapest(
     known: SemanticMap, planner: Planner, track: int, seen: tuple[float, float], failed: dict[View, int]
 ) -> tuple[int, View | None]:
-    """The first of the cheapest poses to see a thing from, by the plain sum of what counts."""
+    """The first of the cheapest poses from which to see a thing, by plainly adding up the costs."""
     best: tuple[int, View | None] = UNREACHED, None
     for view, optical, eye_m in poses(known, track):
         cost = planner.cost(view) + FAILED_COST * failed.get(view, 0)
@@ -107,7 +107,7 @@ def test_where_to_stand_for_all_things(maps: list[Known]) -> None:
                 assert (cost, View(*view) if cost < UNREACHED else None) == expected
                 assert turn or approach.goal(known, planner, track) == expected[1]
                 found, without = found + (cost < UNREACHED), without + (cost >= UNREACHED)
-            failed = {View(*view): 1 for view in views[::2].tolist()}  # those poses do not help: again, elsewhere
+            failed = {View(*view): 1 for view in views[::2].tolist()}  # these poses failed: again, from others
             for view in failed:
                 approach.failed(view)
     assert found > 100
@@ -156,7 +156,7 @@ def test_frontiers_group_by_group(maps: list[Known]) -> None:
 @pytest.mark.parametrize("pitch_deg", [-30, 0, 30])
 @pytest.mark.parametrize("pixels", [84, 128])
 def test_sight_lines_one_by_one(maps: list[Known], pitch_deg: int, pixels: int) -> None:
-    """Also where, with 84 pixels, lines run exactly through corners of cells."""
+    """Also with 84 pixels, where lines run exactly through corners of cells."""
     draw, body = np.random.default_rng(0), maps[0][0].body
     for heading in range(4):
         depth = draw.uniform(0.0, 12.0, (pixels, pixels)).astype(np.float32)

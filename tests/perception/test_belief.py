@@ -1,4 +1,4 @@
-"""How belief is divided among things seen, space unexplored and the flat tail: by hand, in a home of two sofas."""
+"""How belief is divided among seen things, unexplored space and the flat tail: by hand, in a home with two sofas."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from ucon.perception.places.neighbourhood import interest
 from ucon.perception.places.target_places import Places
 from ucon.perception.views.viewpoints import Expectation
 
-#: Unlike each other and unlike the defaults, so that none can stand in for another.
+#: All different from each other and from the defaults, so that mix-ups are noticed.
 WEIGHTS = BeliefWeights(tail=0.2, hidden=0.5, exists=0.25, home_m2=100.0, least_m2=10.0, least_share=0.25)
 #: On a sofa .6; in a fridge .2; the rest is anywhere.
 LOCATIONS = Locations(("sofa", "fridge"), np.array([[0.6, 0, 0, 0], [0, 0.2, 0, 0]]))
-#: What the belief of a whole home comes to in the units of coverage.
+#: The belief of a whole home in the units of coverage.
 UNITS = 450.0
 PLACES = Places(0.1)
 
 
 def wanting(known: SemanticMap, wanted: dict[str, float]) -> np.ndarray:
-    """Factors of the worth of unexplored cells where so much of each category waits there."""
+    """Factors of the worth of unexplored cells if so much of each category is expected there."""
     return interest(known, tuple(wanted), np.array(list(wanted.values())))
 
 
@@ -33,7 +33,7 @@ def coverage() -> Coverage:
 
 
 def home(floor_m2: float, sofas: int = 2) -> SemanticMap:
-    """A map with so much floor seen (16 cells a square metre) and so many sofas on it."""
+    """A map with so much floor seen (16 cells per square metre) and so many sofas on it."""
     known = SemanticMap()
     known.views.append(View(HALF, HALF, 0))
     for number in range(round(16 * floor_m2)):
@@ -52,7 +52,7 @@ def expected(floor_m2: float, weights: BeliefWeights = WEIGHTS, locations: Locat
 
 
 def without_tail(**changes: float) -> BeliefWeights:
-    """No part of the belief follows coverage, so that what is left is what the habits say."""
+    """Weights without the part of belief that follows coverage, so that only the habits count."""
     return replace(WEIGHTS, tail=0.0, **changes)
 
 
@@ -60,8 +60,8 @@ SURE = Locations(LOCATIONS.names, LOCATIONS.p / 0.8)
 
 
 def test_a_share_goes_to_what_was_seen_and_the_rest_waits_unexplored() -> None:
-    """60 of 100 m2 seen, so .4 of the home is left: sofas keep .6 x (1 - .5 x .4) = .48, and .4 x (.5 x .6 + .25 x .2)
-    = .14 waits in 40 m2; brought to the .8 that the habits account for."""
+    """60 of 100 m2 are seen, so .4 of the home is left: the sofas keep .6 x (1 - .5 x .4) = .48, and .4 x (.5 x .6
+    + .25 x .2) = .14 is spread over 40 m2; both are scaled to the .8 that the habits account for."""
     found = expected(60.0)
     scale = 0.8 / (0.48 + 0.14)
     tail = (0.2 + 0.8 * 0.2) / UNITS
@@ -79,7 +79,7 @@ def test_a_share_goes_to_what_was_seen_and_the_rest_waits_unexplored() -> None:
     ids=["what is left of the home", "still", "a quarter of what was seen", "in a home larger than expected"],
 )
 def test_the_unexplored_rest_is_never_nothing(floor_m2: float, left_m2: float) -> None:
-    """Habits account for everything here, so what is not by the sofas is spread over what is left."""
+    """Habits account for everything here, so what is not at the sofas is spread over the rest of the home."""
     found = expected(floor_m2, without_tail(), SURE)
     assert found.mass.sum() + found.unknown_per_m2 * left_m2 == pytest.approx(1.0)
 
@@ -96,7 +96,7 @@ def test_in_a_known_home_nothing_waits() -> None:
 
 
 def test_what_habits_leave_open_follows_coverage() -> None:
-    """Without a word about places, and with belief in none of the words, it is coverage in other units."""
+    """If habits say nothing about places, or are not believed at all, the result is coverage in other units."""
     flat = coverage().expect(home(60.0), PLACES)
     silent = Locations(("sofa",), np.zeros((1, 4)))
     for found in (expected(60.0, WEIGHTS, silent), expected(60.0, replace(WEIGHTS, tail=1.0))):
@@ -107,14 +107,14 @@ def test_what_habits_leave_open_follows_coverage() -> None:
 
 
 def test_more_than_certain_leaves_nothing_open() -> None:
-    """Sums of rounded probabilities may pass 1; that must not take mass away from coverage."""
+    """Sums of rounded probabilities may exceed 1; this must not take mass away from coverage."""
     over = Locations(("sofa",), np.array([[1.25, 0, 0, 0]]))
     found = expected(60.0, WEIGHTS, over)
     assert found.near_per_m2 == pytest.approx(0.2 / UNITS * CoverageWeights().near)
 
 
 def test_neighbourhoods_count_as_far_as_habits_speak_of_the_unexplored() -> None:
-    """Wanted there are .5 x .6 of sofas (some were seen) and .25 x .2 of fridges (none was)."""
+    """Expected there: .5 x .6 at sofas (some were seen) and .25 x .2 at fridges (none was seen)."""
     known = home(60.0)
     found = TargetBelief(LOCATIONS, coverage(), WEIGHTS).expect(known, PLACES)
     assert found.interest is not None
@@ -127,7 +127,7 @@ def test_neighbourhoods_count_as_far_as_habits_speak_of_the_unexplored() -> None
 
 
 def test_it_follows_what_is_seen() -> None:
-    """Another sofa takes its share of the sofas'; a square metre more leaves less to be found elsewhere."""
+    """A new sofa shares the sofas' mass; more explored floor leaves less to be found elsewhere."""
     believing = TargetBelief(SURE, coverage(), without_tail())
     known = home(60.0)
     before = believing.expect(known, PLACES)

@@ -23,7 +23,7 @@ def test_a_look_is_a_pitch_or_a_height() -> None:
 
 @pytest.mark.parametrize("task", RULES)
 def test_the_map_follows_the_camera(task: str) -> None:
-    """Whatever LookUp and LookDown do, what is seen of the floor lies on the floor."""
+    """Whatever LookUp and LookDown do, floor that is seen is mapped at floor height."""
     env = UcONEnv("mini", task=task, observe="symbolic", detector=True, habit_level="none")
     obs, info = env.reset(options={"episode": 0})
     known = SemanticMap(Body.of(info))

@@ -1,4 +1,4 @@
-"""Sightings and directions: what single frames said, and where one can go from a node."""
+"""Sightings and directions: what single frames showed, and where one can go from a node."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ucon.task.sets import load_episodes
 
 
 def around(env: object, sightings: Sightings, start: object = None) -> tuple[SemanticMap, Planner]:
-    """The map after turning left through all four headings."""
+    """The map and planner after turning left through all four headings."""
     obs, info = env.reset(options=start) if start else env.reset()  # type: ignore[attr-defined]
     known, planner = SemanticMap(), Planner(info.get("nav"))
     for turn in range(4):
@@ -105,7 +105,7 @@ def test_of_two_patches_of_floor_the_larger_counts() -> None:
         middles[name] = sightings.of(known)[0].floor_xy
     assert middles["near"] is not None
     assert middles["far"] is not None
-    assert 0.9 < middles["near"][0] < 2.4  # before the bench, which begins 2.4 m ahead
+    assert 0.9 < middles["near"][0] < 2.4  # in front of the bench, which begins 2.4 m ahead
     assert middles["far"][0] > middles["near"][0]
     assert abs(middles["near"][1]) < 1.5
 
@@ -129,10 +129,10 @@ def test_nodes_in_view_are_near_within_45_degrees_reachable_and_in_sight(homes: 
 
 
 def test_what_is_behind_a_wall_is_not_in_view() -> None:
-    """The door is off to the side: nothing of the room straight ahead behind the wall counts."""
+    """The door is off to the side, so nothing in the room straight ahead behind the wall counts."""
     env, sightings = ToyEnv(two_rooms(), "ring", (16, 14, 0)), Sightings()
     known, planner = around(env, sightings)
-    known.explored[:] = 1  # even what would be known of the other room
+    known.explored[:] = 1  # even if the other room were known
     wall = (5.5 - env.xy[0]) / CELL_M
     nodes, _ = in_view(known, planner, View(HALF, HALF, 0), (1.0, 5.0))
     straight = nodes[np.abs(nodes[:, 1] - HALF) <= 1]
@@ -152,7 +152,7 @@ def offered(known: SemanticMap, planner: Planner, seen: list[Sighting], goal: Go
 
 
 def test_goals_of_a_direction(homes: list) -> None:
-    """Farthest, nearest to the middle of the floor, or any; always in view that way, with what was seen there."""
+    """Farthest, nearest to the middle of the floor, or random; always in view in that direction, with its sightings."""
     drawn = set()
     for known, planner, sightings in homes:
         seen = sightings.of(known)

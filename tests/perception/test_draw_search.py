@@ -1,4 +1,4 @@
-"""The picture of what an agent thinks: where it is warm, what it says, and that videos hold it."""
+"""The picture of what an agent thinks: where it is warm, its text, and that videos keep it to the end."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ BLUE, WARM = (36, 120, 200), (226, 92, 30)
 
 
 def searching(agent: Any, steps: int) -> Any:
-    """A searcher after some steps of an episode."""
+    """The searcher of an agent after some steps of an episode."""
     env = UcONEnv("mini", observe="symbolic", detector=True, habit_level="retrieval")
     obs, info = env.reset(options={"episode": 1})
     agent.reset([info])
@@ -38,7 +38,7 @@ def near(image: np.ndarray[Any, Any], color: tuple[int, int, int]) -> int:
 
 
 def somewhere(anchor: str, habits: tuple[str, ...] = ()) -> Any:
-    """Reads that the target is by one anchor, on the word of the last habit."""
+    """A reader that places the target by one anchor because of the last habit."""
     p = np.array([[0.0, 0.0, 0.0, 0.9]])
     said = np.eye(len(habits))[-1] if habits else np.zeros(0)
     return lambda info: Locations((anchor,), p, habits, said, lambda name: said * (name == anchor))
@@ -89,7 +89,7 @@ def test_lines_are_not_too_long() -> None:
 
 
 def test_videos_hold_thoughts_to_the_end(tmp_path: Path) -> None:
-    """The last frame has none of its own and keeps the one before."""
+    """The last frame has no thought and keeps the previous one."""
     plain, thought = np.zeros((64, 128, 3), np.uint8), np.full((64, 64, 3), 200, np.uint8)
     frames = [np.concatenate([plain, thought], 1)] * 3 + [plain]
     _, film = save_film(frames, ["caption"] * 4, tmp_path, "film")

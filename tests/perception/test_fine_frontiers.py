@@ -120,7 +120,7 @@ def test_an_obstacle_seen_at_the_robot_does_not_lock_it_in() -> None:
     seen = after(TURN)
     before = found(seen)
     a, b = cell_of(seen[2].view.xy)
-    seen[1].cells[a - 1, b - 1 : b + 2] |= OBSTACLE  # an opened door may be drawn over the node it stands on
+    seen[1].cells[a - 1, b - 1 : b + 2] |= OBSTACLE  # an opened door may cover the robot's own node
     seen[1].cells[a + 1, b - 1 : b + 2] |= OBSTACLE
     assert [f.xy for f in found(seen)] == [f.xy for f in before]
 
@@ -136,7 +136,7 @@ def test_other_rules_put_the_camera_elsewhere(look: int) -> None:
 
 
 def test_the_first_group_counts_too() -> None:
-    """The original leaves it out by mistake; a single frontier would never be found."""
+    """The original code leaves it out by mistake, so it would never find a single frontier."""
     home = ToyHome(8.0, 4.0, [], walls=[(3.95, 0.0, 4.05, 1.5), (3.95, 2.5, 4.05, 4.0)])
     counts = {len(found(after([*TURN, *[0] * k], home, (3, 7, 0)))) for k in (0, 2, 4)}
     assert 0 not in counts
@@ -188,7 +188,7 @@ def test_each_label_once_and_equals_by_name() -> None:
 
 
 def marched(blocked: np.ndarray, start: tuple[int, int], limit: float) -> np.ndarray:
-    """Fast marching with a heap."""
+    """Reference: fast marching with a heap."""
     n = len(blocked)
     out, done = np.full((n, n), np.inf), np.zeros((n, n), bool)
     out[start] = 0.0

@@ -34,7 +34,7 @@ def tour(start: tuple[int, int, int]) -> tuple[ToyEnv, SemanticMap, FineMap]:
 
 
 def to_world(env: ToyEnv, cells: np.ndarray) -> np.ndarray:
-    """Middles of cells (n, 2) in the toy's frame."""
+    """Centres (n, 2) of cells in the toy's frame."""
     x, y = ((cells - FINE_HALF) * FINE_M).T
     c, s = (1, 0, -1, 0)[env.start[2]], (0, 1, 0, -1)[env.start[2]]
     return np.stack([(env.start[0] + 0.5) * CELL + c * x - s * y, (env.start[1] + 0.5) * CELL + s * x + c * y], 1)
@@ -158,7 +158,7 @@ def test_kernels_equal_a_plain_reference(pitch: int, kind: str) -> None:
     for heading in (0, 1, 2, 3, 1):
         view = View(HALF + int(rng.integers(-9, 9)), HALF + int(rng.integers(-9, 9)), heading, pitch)
         depth = rng.uniform(0.2, 7.0, (128, 128))
-        if kind == "smooth":  # slanted planes, some without any return
+        if kind == "smooth":  # slanted planes, partly without a return
             row = 1.0 / np.abs(rng.uniform(0.2, 1.0) + np.linspace(-0.15, 0.4, 128) * rng.uniform(-1, 1))
             depth = np.repeat(row[None], 128, 0)
             depth[:, 40:50], depth[:9] = 0.0, np.inf
@@ -169,7 +169,7 @@ def test_kernels_equal_a_plain_reference(pitch: int, kind: str) -> None:
         expected[a - 1 : a + 2, b - 1 : b + 2] |= EXPLORED | VISITED
     assert np.count_nonzero(expected) > 2000
     different = np.argwhere(fine.cells != expected)
-    assert len(different) <= 2, f"{len(different)} cells"  # on the border of two cells by rounding
+    assert len(different) <= 2, f"{len(different)} cells"  # rounding at the border of two cells
 
 
 def _reference(cells: np.ndarray, camera: np.ndarray, depth: np.ndarray) -> None:
@@ -250,7 +250,7 @@ def test_a_cell_is_noted_once_a_frame() -> None:
 
 @pytest.mark.parametrize("along_a", [True, False])
 def test_surfaces_leave_the_border_of_the_map_free(along_a: bool) -> None:
-    """A wall that is seen at a flat angle and goes on beyond the edge of a map of 30 x 30 cells."""
+    """A wall seen at a flat angle that continues beyond the edge of a map of 30 x 30 cells."""
     tangent = (np.arange(128) - 63.5) / 64
     depth = np.repeat((0.25 / np.maximum(1.0 - 0.9 * tangent, 0.1))[None], 128, 0).astype(np.float32)
     camera = np.array(

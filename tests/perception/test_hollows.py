@@ -1,4 +1,4 @@
-"""What can be looked into, from where, and which way things stand."""
+"""Which things can be looked into and from where, and how things are oriented."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_faces_turn_counter_clockwise() -> None:
 
 @pytest.mark.parametrize("quarters", range(4))
 def test_a_template_fits_a_thing_turned(quarters: int) -> None:
-    """Whichever way a wardrobe stands, its inside is inside of it and shows from its front."""
+    """However a wardrobe is turned, its interior is inside it and can be seen from its front."""
     shape = template("wardrobe")
     deep, wide = shape.size[0], shape.size[1]
     sides = (deep, wide) if quarters % 2 == 0 else (wide, deep)
@@ -87,7 +87,7 @@ def opens_in_front(name: str) -> bool:
 
 
 def test_fronts_are_found_in_homes() -> None:
-    """With floor and walls known, at least 95 % of what opens at its front is taken to stand as it does."""
+    """With floor and walls known, the orientation of at least 95 % of things that open at the front is found."""
     right, total = 0, 0
     for name in SCENES:
         house = load_house(name)

@@ -1,4 +1,4 @@
-"""A robot's paths on the lattice of its moves, beside a slow search by positions, and the obstacles that it sees."""
+"""A robot's paths on the lattice of its moves, against a slow search over positions, and obstacles that it sees."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ BODY = Body.under(REAL_ROBOT)
 
 
 def standing(x: float = 0.03, y: float = -0.02, heading: int = 1) -> SemanticMap:
-    """The map of a robot in a square of 3 m that it has explored, with a pillar 0.75 m ahead."""
+    """The map of a robot that has explored a square of 3 m, with a pillar 0.75 m ahead."""
     known = SemanticMap(BODY)
     known.views.append(View(HALF, HALF, heading, 0, (x, y, heading * np.pi / 3)))
     known.explored[HALF - 6 : HALF + 7, HALF - 6 : HALF + 7] = 1
@@ -40,7 +40,7 @@ def walked(view: View, actions: list[Action]) -> tuple[float, float, int]:
 
 
 def slow_steps(known: SemanticMap, free: np.ndarray) -> dict[tuple[int, int, int], int]:
-    """Fewest actions to every cell and heading, by a search over rounded positions."""
+    """The fewest actions to every cell and heading, by a search over rounded positions."""
     view = known.view
     assert view.at is not None
     i0, i1, j0, j1 = known.extent(margin=6)

@@ -1,4 +1,4 @@
-"""Where an anchor that was not seen yet is likelier."""
+"""Where an anchor that has not been seen yet is more likely."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from ucon.perception.places.neighbourhood import interest, rooms_of
 
 
 def wanting(known: SemanticMap, wanted: dict[str, float]) -> np.ndarray:
-    """Factors of the worth of unexplored cells where so much of each category waits there."""
+    """Factors of the worth of unexplored cells if so much of each category is expected there."""
     return interest(known, tuple(wanted), np.array(list(wanted.values())))
 
 
 def with_things(**at: tuple[float, float]) -> SemanticMap:
     known = SemanticMap()
-    known.explored[HALF + 100, HALF + 100] = 1  # the border of the explored lies where nothing speaks
+    known.explored[HALF + 100, HALF + 100] = 1  # the border of the explored area is far from all things
     for name, (x, y) in at.items():
         known.instances[name] = [known.n_tracks]
         known.box[known.n_tracks] = (x - 0.3, y - 0.3, 0.0, x + 0.3, y + 0.3, 0.8)

@@ -1,4 +1,4 @@
-"""Whether something stands at a place, by depth alone."""
+"""Whether something stands at a place, judged by depth alone."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ucon.perception.places.occupied import IS_EMPTY, STANDS, Occupied, boxes_ab
 from ucon.perception.places.occupied_kernels import fill
 
 PX = 128
-#: A cup of 0.2 m whose middle is 1 m ahead, as high as the camera.
+#: The centre of a cup of 0.2 m, 1 m ahead and at the camera's height.
 CUP = np.array([[1.0, 0.0, PAPER_BODY.camera_m]])
 SIZE = np.full((1, 3), 0.2)
 
@@ -23,7 +23,7 @@ def looking(heading: int = 0) -> SemanticMap:
 
 
 def frame(metres: float, width: int = PX) -> np.ndarray:
-    """A wall at a distance behind everything, and in the middle of the picture a plate at 0.95 m of some width."""
+    """A wall 3 m away, and in the middle of the image a square plate, ``width`` pixels wide, at a given distance."""
     depth = np.full((PX, PX), 3.0, np.float32)
     side = slice(PX // 2 - width // 2, PX // 2 + width // 2)
     depth[side, side] = metres
@@ -37,7 +37,7 @@ def test_what_ends_in_a_box_fills_it_and_what_goes_on_passes() -> None:
     boxes = boxes_above(CUP, SIZE)
     fill(frame(3.0), camera, boxes, filled, passed)
     assert filled[0] == 0
-    #: 0.2 m wide and nearly as high, at 0.9 m and 64 pixels at a metre: some 14 pixels a side.
+    #: 0.2 m wide and nearly as high, at 0.9 m and with 64 pixels at a metre: about 14 pixels a side.
     assert passed[0] == pytest.approx(14 * 14, rel=0.2)
     whole = int(passed[0])
     fill(frame(0.97), camera, boxes, filled, passed)
@@ -70,7 +70,7 @@ def test_the_frame_that_shows_most_of_a_place_counts() -> None:
     places = Occupied(CUP, SIZE, [()])
     places.look(looking(), frame(0.97))
     shown = frame(0.5)
-    shown[: PX // 2 - 2] = 3.0  # all but the upper rows are hidden, and what is left is empty
+    shown[: PX // 2 - 2] = 3.0  # only the upper rows are not hidden, and they are empty
     places.look(looking(), shown)
     assert places.stands.all()
     assert places.now[0] == 0
@@ -90,7 +90,7 @@ def test_what_a_thing_stands_on_is_no_part_of_its_place() -> None:
 
 
 def test_what_is_in_a_container_is_asked_for_once_that_is_open() -> None:
-    """The door of a fridge is where the milk behind it seems to stand."""
+    """The door of a fridge has the same depth as the milk behind it."""
     places = Occupied(CUP, SIZE, [(("inside", "fridge"), ("nextto", "stove"))])
     known = looking()
     known.category.append("fridge")

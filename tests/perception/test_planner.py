@@ -21,7 +21,7 @@ def started(heading: int, nav: bool = True) -> tuple[ToyEnv, SemanticMap, Planne
 
 
 def slow_steps(env: ToyEnv) -> dict[tuple[int, int, int], int]:
-    """Breadth-first search in the toy's own frame."""
+    """Steps to each cell and heading by breadth-first search in the toy's own frame."""
     found = {env.start: 0}
     queue = deque([env.start])
     while queue:

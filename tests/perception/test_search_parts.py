@@ -128,7 +128,7 @@ def with_thing(category: str, box: tuple[float, ...]) -> tuple[SemanticMap, Plac
 
 
 def seen_from(places: Places, rows: np.ndarray, x: float, y: float) -> float:
-    """Share of points that a camera at (x, y) looks at through an open side."""
+    """Share of points that a camera at (x, y) sees through an open side."""
     found = [
         shows(x, y, CAMERA_M, *places.xyz[k], places.hollow[k], places.faces[k]) for k in np.flatnonzero(rows).tolist()
     ]
@@ -151,7 +151,7 @@ def test_a_closed_front_has_its_inside_behind_it(side: float) -> None:
 
 
 def test_what_was_not_seen_stays_behind_what_was() -> None:
-    """The front is judged anew as the floor is seen, also from elsewhere; the inside must not change sides with it."""
+    """The front is judged again as more floor is seen, but the interior must not change sides with it."""
     x, y = started()[1].view.xy
     _, known, _, _ = started()
     known.category.append("fridge")
@@ -173,7 +173,7 @@ def test_what_was_not_seen_stays_behind_what_was() -> None:
 
 def test_what_is_larger_is_seen_from_farther() -> None:
     """A cube of s metres covers s^2 f^2 / d^2 pixels of a view with focal length f = 64 at distance d."""
-    side = 0.1  # of a name outside the catalogue
+    side = 0.1  # the size of a name outside the catalogue
     assert sight_range_m("unicorn") == pytest.approx(64.0 * side / np.sqrt(5.0))
     assert sight_range_m("unicorn", 20.0) == pytest.approx(64.0 * side / np.sqrt(20.0))
     assert sight_range_m("unicorn", 1e6) == 1.2, "never nearer than that"
@@ -182,7 +182,7 @@ def test_what_is_larger_is_seen_from_farther() -> None:
 
 @pytest.mark.parametrize("name", ["sofa", "fridge", "coffee_cup", "bed"])
 def test_nothing_has_no_room_for_its_like(name: str) -> None:
-    """What is as large as the thing itself fits into its box exactly, turned as may be."""
+    """A thing of the same size fits into the thing's box exactly, turned if necessary."""
     assert has_room(name, name)[1]
 
 
@@ -197,7 +197,7 @@ def test_containers_that_were_never_detected_or_were_opened_are_not_closed() -> 
     before = set(containers.closed(known).tolist())
     first, second = known.n_tracks, known.n_tracks + 1
     known.category += ["fridge", "fridge"]
-    known.box[first] = (1.0, 1.0, 0.0, 1.7, 1.7, 1.8)  # the other has no box: no point of it was seen
+    known.box[first] = (1.0, 1.0, 0.0, 1.7, 1.7, 1.8)  # the second has no box, since no point of it was seen
     assert set(containers.closed(known).tolist()) == before | {first}
     known.opened[first] = True
     assert second not in containers.closed(known)

@@ -25,7 +25,7 @@ def toured(request: pytest.FixtureRequest) -> tuple[ToyEnv, SemanticMap]:
 
 
 def to_world(env: ToyEnv, x: float, y: float) -> tuple[float, float]:
-    """A point of the agent's frame in the toy's."""
+    """A point of the agent's frame in the toy's frame."""
     c, s = (1, 0, -1, 0)[env.start[2]], (0, 1, 0, -1)[env.start[2]]
     return (env.start[0] + 0.5) * CELL + c * x - s * y, (env.start[1] + 0.5) * CELL + s * x + c * y
 

@@ -1,4 +1,4 @@
-"""Boxes of furniture from many looks, and tracks that are one thing, in homes where the detector errs."""
+"""Boxes of furniture from many looks, and tracks of the same thing, with a detector that errs."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from ucon.perception.mapping.settling import LookBoxes, United
 PX, FOCAL_PX = 128, 64.0
 FRIDGE, SOFA = name_rows()["fridge"], name_rows()["sofa"]
 SIZE = np.array(catalogue()["fridge"].size)
-#: The middle of a fridge, metres.
+#: The centre of a fridge, metres.
 MIDDLE = np.array([2.0, 0.0, 1.0])
 
 
 def camera(yaw: float, away_m: float) -> np.ndarray:
-    """At a distance from the middle, looking at it; as high as it is."""
+    """A camera at a distance from the centre, at the same height, looking at it."""
     x, y = MIDDLE[:2] - away_m * np.array([np.cos(yaw), np.sin(yaw)])
     return np.array([x, y, MIDDLE[2], np.cos(yaw), np.sin(yaw), 1.0, 0.0, FOCAL_PX])
 
 
 def frame(wide_m: float, high_m: float, away_m: float, track: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """A plate of a size, square to the camera: depth and track of each pixel."""
+    """A plate of a given size, perpendicular to the view: depth and track of each pixel."""
     depth, image = np.full((PX, PX), 9.0, np.float32), np.full((PX, PX), -1, np.int16)
     u, v = round(0.5 * wide_m / away_m * FOCAL_PX), round(0.5 * high_m / away_m * FOCAL_PX)
     rows, columns = slice(PX // 2 - v, PX // 2 + v), slice(PX // 2 - u, PX // 2 + u)
@@ -122,7 +122,7 @@ def test_of_one_thing_the_track_stays_that_was_found_most_often() -> None:
 
 @pytest.mark.parametrize(("off_m", "gone"), [(0.02, [1]), (0.6, [])])
 def test_things_of_two_names_are_one_only_where_their_boxes_nearly_agree(off_m: float, gone: list[int]) -> None:
-    """Two boxes 0.02 m apart are one thing whatever their names; 0.6 m apart only if both have one name."""
+    """Two boxes 0.02 m apart are one thing whatever their names; 0.6 m apart only if they have the same name."""
     boxes = [CUPBOARD, CUPBOARD + np.array([off_m, 0, 0, off_m, 0, 0])]
     assert united(boxes, [FRIDGE, SOFA], [2.0, 1.0])[1] == gone
     assert united(boxes, [FRIDGE, FRIDGE], [2.0, 1.0])[1] == [1]
@@ -155,7 +155,7 @@ def test_a_frame_has_one_track_of_each_thing() -> None:
 
 
 def test_a_map_that_is_kept_forgets_what_was_looked_for_in_vain() -> None:
-    """Two tracks of one sofa, a fridge that is never found again, and a table: the map has one sofa and the table."""
+    """Of two tracks of one sofa, a fridge that is never found again, and a table, one sofa and the table are kept."""
     known = SemanticMap(errors=read_errors("noisy"), target="mug", kept=True)
     known.category = ["sofa", "sofa", "fridge", "breakfast_table"]
     known.instances = {"sofa": [0, 1], "fridge": [2], "breakfast_table": [3]}

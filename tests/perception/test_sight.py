@@ -1,4 +1,4 @@
-"""Looks with a detector that errs: by chance, and once from each side and distance."""
+"""Looks with a detector that errs: they find with some chance, and count once per side and distance."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a view is worth for the unexplored space that it would show."""
+"""The worth of a view for the unexplored space that it would show."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ REACH = (22, 4.0)
 
 
 def cells(explored_cells: int) -> tuple[np.ndarray, ...]:
-    """A map that is explored so far around its middle, with nothing tall in it."""
+    """Arrays of a map that is explored so many cells around its centre, with nothing tall in it."""
     explored = np.zeros((SIZE, SIZE), np.uint8)
     explored[HALF - explored_cells : HALF + explored_cells + 1, HALF - explored_cells : HALF + explored_cells + 1] = 1
     height, near = np.zeros((SIZE, SIZE), np.float32), np.zeros((SIZE, SIZE), np.float32)
@@ -23,7 +23,7 @@ def cells(explored_cells: int) -> tuple[np.ndarray, ...]:
 
 
 def gains(explored_cells: int) -> np.ndarray:
-    """Worth of the four headings in the middle, a square metre of unexplored space being worth 1."""
+    """Worth of the four headings at the centre, if a square metre of unexplored space is worth 1."""
     out = np.zeros((1, 4))
     kernels.space_gain(np.array([[HALF, HALF]], np.int32), cells(explored_cells), REACH, (1.0, 0.0), out)
     return out[0]
@@ -35,7 +35,7 @@ def test_what_lies_deeper_counts_less_by_a_factor_of_e_every_two_metres() -> Non
 
 
 def test_nothing_explored_counts_three_metres_around() -> None:
-    """A quarter of the circle, ring by ring, in the continuum: the rays are as good as that to a tenth."""
+    """The rays agree to a tenth with a quarter of the circle, summed ring by ring in the continuum."""
     worth = sum(2.0 * math.pi * k * CELL_M**2 * math.exp(-(k - 1) * CELL_M / 2.0) for k in range(1, 13)) / 4.0
     assert gains(-1) == pytest.approx(worth, rel=0.1)
     deeper = worth + 2.0 * math.pi * 13 * CELL_M**2 * math.exp(-12 * CELL_M / 2.0) / 4.0

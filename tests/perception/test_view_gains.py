@@ -1,4 +1,4 @@
-"""What views are worth, beside a plain projection of the same points into the same pictures."""
+"""The worth of views, against a plain projection of the same points into the same images."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ HALF = 20
 SIZE = 2 * HALF + 1
 CAMERA_M, REACH_M = 1.25, 3.0
 NODES = [(HALF + i, HALF + j) for i in (-3, 0, 2) for j in (-2, 0, 4)]
-#: Of a picture's half only so much counts: what is cut off by its edge is not seen.
+#: Share of half the image that counts: things cut off by its edge are not seen.
 EDGE = 0.95
 
 
@@ -62,7 +62,7 @@ def places(n: int = 40) -> tuple[np.ndarray, np.ndarray]:
 
 
 def shown(node: tuple[int, int], xyz: np.ndarray, headings: int = 4) -> np.ndarray:
-    """(H, 4, n) whether a view by heading and pitch holds a point that is near enough to be made out."""
+    """(H, 4, n) whether the view at a heading and pitch contains a point that is near enough to be recognised."""
     edge = EDGE * np.tan(np.pi / headings)
     from_camera = xyz - np.array([(node[0] - HALF) * CELL_M, (node[1] - HALF) * CELL_M, CAMERA_M])
     near = np.hypot(from_camera[:, 0], from_camera[:, 1]) <= REACH_M
@@ -80,7 +80,7 @@ def shown(node: tuple[int, int], xyz: np.ndarray, headings: int = 4) -> np.ndarr
 
 @pytest.mark.parametrize("headings", [4, 6])
 def test_views_are_worth_the_places_in_their_picture(headings: int) -> None:
-    """Four headings have views of 90 degrees, six have views of 60."""
+    """With four headings the view is 90 degrees wide, with six it is 60."""
     xyz, weight = places()
     found = Home(NODES).places(xyz, weight, headings)
     for row, node in enumerate(NODES):
@@ -89,7 +89,7 @@ def test_views_are_worth_the_places_in_their_picture(headings: int) -> None:
 
 
 def test_every_view_and_every_place_counts_by_itself() -> None:
-    """Also with walls and things in the way, and with places of no weight among the others."""
+    """Also with walls and things in the way, and with places without weight among the others."""
     xyz, weight = places()
     weight[::3] = 0.0
     weight[1::7] = 0.01
@@ -129,7 +129,7 @@ def test_what_was_hidden_once_is_not_asked_for_again_and_what_was_in_sight_may_b
 
 
 def test_containers_count_within_reach_of_an_open() -> None:
-    """A box from 0.5 m ahead of the middle node; others stand as far away as their gap says."""
+    """A box that begins 0.5 m ahead of the middle node; for other nodes the gap to the box counts."""
     box, reach_m = np.array([[0.5, -0.3, 0.0, 1.1, 0.3, 0.8], [9.0, 9.0, 0.0, 9.5, 9.5, 1.0]]), 1.0
     nodes = [(HALF, HALF), (HALF - 2, HALF), (HALF - 3, HALF), (HALF + 3, HALF - 5), (HALF - 2, HALF - 3)]
     found = Home(nodes).opens(box, np.array([2.0, 3.0]), reach_m)
@@ -148,7 +148,7 @@ def test_containers_count_within_reach_of_an_open() -> None:
 
 
 def test_a_whole_container_does_not_hide_itself() -> None:
-    """A fridge that was seen from all sides is as high as its own cells, which stand before its middle."""
+    """A fridge seen from all sides fills its cells to its full height, and these are in front of its centre."""
     box, nodes = np.array([[0.3, -0.5, 0.0, 1.5, 0.5, 1.7]]), [(HALF, HALF)]
     home = Home(nodes)
     home.height[HALF + 1 : HALF + 7, HALF - 2 : HALF + 3] = 1.7
@@ -203,7 +203,7 @@ def test_a_wall_right_before_the_camera_hides_and_one_right_behind_it_does_not()
 
 
 def gained(weight: tuple[float, float], **cells: Any) -> np.ndarray:
-    """(4,) square metres by heading, seen from the middle of a home of which only its cell was explored."""
+    """(4,) square metres by heading, seen from the middle of an unexplored home, except for what ``cells`` change."""
     explored, height = np.zeros((SIZE, SIZE), np.uint8), np.full((SIZE, SIZE), -1.0, np.float32)
     near, stale, interest = (np.full((SIZE, SIZE), v, np.float32) for v in (1e3, 1.0, 1.0))
     arrays = {"explored": explored, "height": height, "near": near, "stale": stale, "interest": interest}

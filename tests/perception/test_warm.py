@@ -30,7 +30,7 @@ print([kernel.__name__ for kernel in called_from_python if not kernel.signatures
 
 
 def test_every_kernel_of_perception_is_compiled() -> None:
-    """Setting up leaves none to compile in the first episode. In a process of its own: nothing else called them."""
+    """Warming up leaves nothing to compile in the first episode; a new process, so that nothing else called them."""
     result = subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True, timeout=300, check=False)
     assert result.returncode == 0, result.stderr[-2000:]
     assert result.stdout.splitlines()[-1] == "[]"

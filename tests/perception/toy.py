@@ -1,4 +1,4 @@
-"""A home of boxes seen by a small ray caster: the environment's contract without the simulator."""
+"""A home of boxes seen with a small ray caster: the environment's contract without the simulator."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class ToyHome:
 
 
 class ToyEnv:
-    """Steps like ``UcON-v0``; things with ``container`` = index of another thing show only once that is opened."""
+    """Steps like ``UcON-v0``; a thing whose ``container`` is another thing's index shows only once that is open."""
 
     def __init__(
         self, home: ToyHome, target: str, start: tuple[int, int, int], *, nav: bool = True, size: int = 128

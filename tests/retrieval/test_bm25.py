@@ -1,4 +1,4 @@
-"""BM25 by its formula, on three sentences."""
+"""BM25 against its formula, on three sentences."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ucon.habits import KnowledgeBase
 from ucon.habits.types import Entry, Habit, HabitDataset, Placement
 from ucon.retrieval import BM25Retriever
 
-#: Words that count, after stop words: 4 with the mug twice, 2 with it once, 3 without.
+#: After removing stop words: 4 words with the mug twice, 2 with it once, 3 without.
 SENTENCES = ("Mug beside mug, washed.", "The mug dried.", "Socks dry outside.")
 
 
@@ -23,7 +23,7 @@ def kb() -> KnowledgeBase:
 
 
 def score(times: int, words: int, k1: float, b: float) -> float:
-    """Of a sentence of so many words with the name so many times; 2 of 3 sentences have it, 3 words on average."""
+    """BM25 of a sentence with ``words`` words and the name ``times`` times; 2 of 3 sentences have it, mean length 3."""
     idf = math.log(1 + (3 - 2 + 0.5) / (2 + 0.5))
     return idf * times / (times + k1 * (1 - b + b * words / 3))
 

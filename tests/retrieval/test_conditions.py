@@ -1,4 +1,4 @@
-"""Sentences' conditions, read in a told context; learned from train entries, tried on the held-out ones."""
+"""Conditions of sentences, read in a stated context: learned from train entries, tested on held-out ones."""
 
 import pickle
 from collections import defaultdict
@@ -69,7 +69,7 @@ def test_a_sentence_that_names_the_user_holds_and_one_that_names_another_of_the_
 
 
 def test_conditions_of_held_out_people_are_read_right():
-    """Share of sentences weighed rightly: above 1 if their place is used in this context, below 1 if not."""
+    """Share of sentences with the right weight: above 1 if their place is used in this context, below 1 if not."""
     right = defaultdict(list)
     data, calendar = contexts_book(), [SATURDAY, MONDAY, replace(MONDAY, hour=20, season="summer")]
     for entry in data.entries:

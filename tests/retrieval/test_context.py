@@ -1,4 +1,4 @@
-"""Habit level ``context``: what is seen pulls habits up, what was found empty pushes them down."""
+"""Habit level ``context``: habits about seen things move up the list, those about empty places move down."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def retriever() -> ContextRetriever:
 
 
 def places(kb: KnowledgeBase) -> dict[str, np.ndarray]:
-    """By anchor: where in the knowledge base a habit speaks for it and hardly for anything else."""
+    """By anchor: positions in the knowledge base of habits that clearly support this anchor."""
     reader = default_reader()
     said = reader.evidence.read(kb.texts).anchor
     found = {name: np.flatnonzero(said[:, k] > 0.9) for k, name in enumerate(reader.known)}

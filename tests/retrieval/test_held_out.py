@@ -1,4 +1,4 @@
-"""Measuring retrieval on held-out entries: the command line's mistakes."""
+"""Measuring retrieval on held-out entries: mistakes on the command line."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""The anchor reader on categories it was never fitted on."""
+"""The anchor reader on categories that it was not fitted on."""
 
 import shutil
 
@@ -62,7 +62,7 @@ def test_reads_a_small_household(reader):
     assert belief.unseen == pytest.approx(sum(belief.unseen_p.values()))
     p = dict(zip(names, belief.p, strict=True))
     assert max(p, key=p.__getitem__) == "coffee_table"
-    assert p["suitcase"] > 5 * max(p["fridge"], p["toilet"], p["desk"])  # the couch is named, and may come between
+    assert p["suitcase"] > 5 * max(p["fridge"], p["toilet"], p["desk"])  # the couch is named, and may rank in between
     assert RELATIONS[belief.relation[0].argmax()] == "ontop"
     assert RELATIONS[belief.relation[2].argmax()] == "inside"
     assert np.allclose(belief.relation.sum(axis=1), 1)

@@ -43,7 +43,7 @@ def test_ranking_does_not_depend_on_the_order_of_the_knowledge_base(kbs, name):
 
 @pytest.mark.parametrize("name", ["dense", "bm25"])
 def test_shuffles_of_a_knowledge_base_share_an_index(kbs, name, monkeypatch):
-    """Scores follow the rows, and what is indexed for one order is not made again for another."""
+    """Scores follow the rows, and an index made for one order is not rebuilt for another."""
     kb, retriever = kbs[0], RETRIEVERS[name]()
     turned = KnowledgeBase(kb.dataset, np.random.default_rng(0).permutation(kb.rows).astype(np.int32))
     assert turned.in_order.base is kb.in_order.base
@@ -66,7 +66,7 @@ def test_few_knowledge_bases_in_order_are_kept(kbs):
 
 @pytest.mark.timed
 def test_product_of_every_half_is_exact():
-    """All finite fp16 patterns, in the lanes and behind them, as NumPy widens them."""
+    """All finite fp16 values, in the lanes and after them, are converted as NumPy does."""
     patterns = np.arange(1 << 16, dtype=np.uint16)
     patterns = patterns[np.isfinite(patterns.view(np.float16))]
     for dim in (1, LANES):

@@ -55,7 +55,7 @@ def test_better_than_frozen_on_categories_it_never_met():
 
 @pytest.fixture(scope="module")
 def release() -> tuple[KnowledgeBase, DenseRetriever, AdaptedMiniLM]:
-    """22,600 habits, encoded before, and the encoder of queries, loaded."""
+    """22,600 habits, already encoded, and the loaded encoder of queries."""
     rows = np.random.default_rng(0).permutation(len(book()))[:22_600].astype(np.int32)
     kb, vectors, encoder = KnowledgeBase(book(), rows), DenseRetriever(), AdaptedMiniLM(ADAPTER)
     vectors.rank(book().categories[0], kb)
@@ -65,7 +65,7 @@ def release() -> tuple[KnowledgeBase, DenseRetriever, AdaptedMiniLM]:
 
 @pytest.mark.timed
 def test_ranking_a_whole_release_costs_less_than_encoding_its_query(release):
-    """A ratio: both read megabytes, and a machine that shares its memory may take three times as long for both."""
+    """A comparison, since both read megabytes: on a busy machine both may take three times as long."""
     kb, vectors, encoder = release
     target = book().categories[3]
     with threadpool_limits(1):
@@ -75,17 +75,17 @@ def test_ranking_a_whole_release_costs_less_than_encoding_its_query(release):
 
 
 @where_it_was_set
-@pytest.mark.slow  # in seconds it tells of the machine's neighbours too: 10 to 22 ms on one processor within an hour
+@pytest.mark.slow  # seconds also depend on other programs: 10 to 22 ms on one processor within an hour
 @pytest.mark.timed
 def test_one_query_over_a_whole_release_is_quick(release):
-    """The query itself is encoded anew each time. CPU seconds on one core."""
+    """The query itself is encoded each time. CPU seconds on one core."""
     kb, vectors, encoder = release
 
     def ask(target: str) -> None:
         encoder.encode([query_text(target)])
         vectors.rank(target, kb)
 
-    with threadpool_limits(1):  # more threads wait busily, which counts as CPU time
+    with threadpool_limits(1):  # idle threads spin, which counts as CPU time
         seconds = [fastest_s(lambda target=target: ask(target)) for target in book().categories[:12]]
     assert np.median(seconds) <= 0.020
 
@@ -112,7 +112,7 @@ def test_official_trials_stay_in_a_scene_and_ask_for_what_is_held_out():
 
 @pytest.mark.slow
 def test_held_out_figures_hold():
-    """As measured when it was shipped: 0.860 for test categories, 0.871 for test entries; frozen 0.750 and 0.747."""
+    """Measured when it was shipped: 0.860 for test categories, 0.871 for test entries; frozen: 0.750 and 0.747."""
     found = held_out(book(), DenseRetriever(tuned_encoder(), whole=False), n_kbs=20)
     assert found["test categories"]["supporting_at_20"] >= 0.85
     assert found["test entries"]["supporting_at_20"] >= 0.87

@@ -1,4 +1,4 @@
-"""What the tuned encoder says of sentences: the shipped table, and text that nobody has seen."""
+"""The tuned encoder's evidence about sentences: the shipped table, and new text."""
 
 import shutil
 

@@ -1,4 +1,4 @@
-"""Habits that may have changed since they were told: the belief is a mixture over what may be."""
+"""Habits that may have changed since they were told: the belief is a mixture over the possibilities."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def located(read: ReadHabits, texts: tuple[str, ...], valid: list[float] | None 
 
 @pytest.mark.parametrize("more", [{}, {"told": SATURDAY}, {"habit_level": "gt"}])
 def test_it_is_a_mixture_of_what_may_be(read: ReadHabits, more: dict[str, Any]) -> None:
-    """With probability .2 both sentences hold, with .5 the later one alone, with .3 neither."""
+    """With probability .2 both sentences hold, with .5 only the later one, with .3 neither."""
     both, later, none = (located(read, texts, **more).p for texts in ((SOFA, DESK), (DESK,), ()))
     found = located(read, (SOFA, DESK), [0.2, 0.7], **more)
     assert found.p == pytest.approx(0.2 * both + 0.5 * later + 0.3 * none)

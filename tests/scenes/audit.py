@@ -18,7 +18,7 @@ def box_of(item: Item) -> np.ndarray:
 
 
 def part_boxes(item: Item) -> np.ndarray:
-    """World boxes of the parts of an item, all joints closed, (n, 6); axis-aligned parts only lose nothing."""
+    """World boxes (n, 6) of an item's axis-aligned parts, all joints closed; turned parts are left out."""
     rows = []
     for part in build_model(item.category, item.size, item.tint).parts:
         if any(abs(a) > 1e-9 for a in part.rpy_rad):
@@ -62,7 +62,7 @@ def walls_of(spec: HomeSpec) -> list[np.ndarray]:
 
 
 def nav_grid(spec: HomeSpec) -> tuple[np.ndarray, np.ndarray]:
-    """(free (nx, ny) bool, room (nx, ny) int) from exact box distances; frames count by their parts."""
+    """(free (nx, ny) bool, room (nx, ny) int) from exact distances to boxes; doors count part by part."""
     rects = np.array([r.rect for r in spec.rooms])
     low = rects[:, :2].min(0)
     n = np.round((rects[:, 2:].max(0) - low) / GRID_M).astype(int)

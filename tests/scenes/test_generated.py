@@ -1,4 +1,4 @@
-"""Generated homes, audited and built in PyBullet for real: none fails, and hardly any needs small things taken out."""
+"""Generated homes, audited and really built in PyBullet: none fails, and hardly any needs small things removed."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from ucon.sim.compile import compile_mended
 
 BLOCKS = 100
 SEEDS_A_BLOCK = 20
-"""Of every kind: 100 homes a block, 10,000 in all."""
+"""Seeds of every kind: 100 homes per block, 10,000 in all."""
 MOST_MENDED = 0.005
 
 
 def build(name: str) -> bool:
-    """Audit a home, build it and look at it; whether it had to be mended."""
+    """Audit a home, build it and check it; returns whether items had to be removed."""
     spec = home_spec(name)
     assert problems(spec) == [], name
     house = compile_mended(spec)
@@ -39,7 +39,7 @@ def test_a_generated_home_is_built(kind: str, seed: int) -> None:
 
 @pytest.fixture(scope="module")
 def built() -> Counter[str]:
-    """How many homes the blocks of this run built, and which were mended."""
+    """How many homes the blocks of this run built, and how many of them were changed to make them work."""
     return Counter()
 
 
@@ -59,7 +59,7 @@ def test_a_hundred_generated_homes_are_built(block: int, built: Counter[str]) ->
 
 @pytest.mark.slow
 def test_hardly_any_home_was_mended(built: Counter[str]) -> None:
-    """Of the blocks that ran before this; one home in a few blocks is no rate yet."""
+    """Counts the blocks that ran before this test; one changed home is always allowed."""
     if not built["homes"]:
         pytest.skip("no block ran in this process")
     assert built["mended"] <= max(1, MOST_MENDED * built["homes"]), built

@@ -1,4 +1,4 @@
-"""Every home: rooms, openings, items, windows, walking, determinism; written against the audit, not the generator."""
+"""Every home: rooms, openings, items, windows, walking, determinism; checked by the audit, not the generator."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def test_seeds_give_different_homes() -> None:
     assert len(hashes) == 50
 
 
-#: The largest takes .7 to 1.1 s on a processor without AVX-512.
+#: The largest scene takes .7 to 1.1 s on a processor without AVX-512.
 BY_SIZE = [pytest.param(scene, marks=where_it_was_set) if scene == "house_single_floor" else scene for scene in SCENES]
 
 
@@ -130,7 +130,7 @@ def test_specification_is_quick(scene: str) -> None:
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_furniture_of_the_program_stands(scene: str) -> None:
-    """No category that the program lists as furniture is missing altogether, and few items are left over."""
+    """No category in the program's furniture is missing entirely, and few items are left out."""
     built = built_home(scene)
     have = Counter(item.category for item in built.spec.items)
     wanted = Counter({c: n for r in scene_programs()[scene].rooms for c, n in r.furniture.items()})
@@ -147,7 +147,7 @@ def test_measured_fixed_anchors_exist(scene: str) -> None:
     catalogue = json.loads(FACTS.with_name("categories.json").read_text())["categories"]
     structural = {"walls", "floors", "ceilings", "roof", "lawn", "driveway", "pillar", "structural_element", "railing"}
     odd = {"stand", "skeletal_frame", "greenery", "folderal", "dress", "spotlight"}
-    odd |= {"swing", "rail_fence"} if scene == "grocery_store_cafe" else set()  # gates that need no home analogue
+    odd |= {"swing", "rail_fence"} if scene == "grocery_store_cafe" else set()  # gates, which need no counterpart here
     anchors = {
         name
         for name, row in facts.items()
@@ -203,7 +203,7 @@ def test_kitchen_and_bedroom_make_sense(scene: str) -> None:
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_small_things_rest_on_something(scene: str) -> None:
-    """What neither lies on the floor nor hangs on wall or ceiling has a surface right below it."""
+    """Everything not on the floor, a wall or the ceiling has a surface right below it."""
     spec = home_spec(scene)
     for index, item in enumerate(spec.items):
         z = item.position[2]
@@ -231,7 +231,7 @@ def _grown(box: np.ndarray) -> np.ndarray:
 
 
 def test_audit_finds_faults() -> None:
-    """The audit is only worth something if it objects to a home with a cabinet in a doorway."""
+    """The audit must object to a home with a shelf in a doorway, and to one with two shelves in one place."""
     from dataclasses import replace
 
     spec = home_spec("Rs_int")

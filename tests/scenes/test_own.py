@@ -1,4 +1,4 @@
-"""Homes of one's own by name: one name, one home; kept for other processes."""
+"""The user's own homes by name: one name, one home; kept for other processes."""
 
 from __future__ import annotations
 

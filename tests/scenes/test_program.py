@@ -1,4 +1,4 @@
-"""Room programs: what the package data says, and what is refused."""
+"""Room programs: the package's data, and what is refused."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Searches that doubt: suspects, Done, giving up, and what happens without any detection."""
+"""Searches with uncertain detections: suspects, Done, giving up, and searches without any detection."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Judge = Callable[[np.ndarray], np.ndarray]
 
 
 def played(detector: BoxDetector, number: int = 0, judge: Judge | None = None, doubts: Doubts | None = None) -> dict:
-    """Search by coverage to the end; what happened."""
+    """Search by coverage to the end, and return what happened."""
     env = UcONEnv("mini", observe="symbolic", detector=detector, habit_level="none")
     observation, info = env.reset(options={"episode": number})
     search = Searcher(info, Coverage(str(info["target"]), CoverageWeights()), judge=judge, doubts=doubts)
@@ -45,7 +45,7 @@ def played(detector: BoxDetector, number: int = 0, judge: Judge | None = None, d
 
 
 class Blind(BoxDetector):
-    """Finds nothing, ever."""
+    """A detector that never finds anything."""
 
     name, needs_rgb = "noisy", False
 
@@ -54,7 +54,7 @@ class Blind(BoxDetector):
 
 
 class Broken(Blind):
-    """Reports one box with a given score and left edge."""
+    """A detector that always reports one box with a given score and left edge."""
 
     def __init__(self, score: float, left: float) -> None:
         super().__init__()
@@ -111,7 +111,7 @@ def test_a_judge_that_believes_anything_ends_early() -> None:
 
 
 def test_near_the_end_the_best_suspect_is_taken() -> None:
-    """No suspect ever satisfies, but each is worth a try at the end."""
+    """No suspect is ever certain enough, but at the end each is worth a try."""
     judge, never = (lambda evidence: np.full(len(evidence), 0.3)), Doubts(consider=1.0, take=1.0, settle=1.0)
     runs = [played(NoisyDetector(), number, judge, never) for number in range(3)]
     assert any(run["actions"][-1] == Action.DONE and len(run["actions"]) > 270 for run in runs)
@@ -131,7 +131,7 @@ def test_evidence_is_finite_and_the_posterior_grows_with_the_place() -> None:
 
 
 def test_all_that_depends_on_names_follows_when_names_change() -> None:
-    """Places, coverage and containers kept step by step equal those computed from the final map at once."""
+    """Places, coverage and containers that are updated step by step equal those computed from the final map."""
     search = played(NoisyDetector(), 1)["search"]
     known, n = search.map, search.map.n_tracks
     assert (known.named_at[:n] > 0).sum() > 5, "names came and changed"

@@ -1,4 +1,4 @@
-"""Remembered places of the target, with a detector that never finds it: depth alone tells where something stands."""
+"""Remembered places of the target, with a detector that never finds it: only depth shows if something is there."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from ucon.task.sets import load_episodes
 
 
 class AllButTheTarget(NoisyDetector):
-    """Finds everything right and the target never."""
+    """An exact detector that never finds the target."""
 
     def __init__(self, target: str) -> None:
         super().__init__(EXACT)
@@ -36,12 +36,12 @@ class AllButTheTarget(NoisyDetector):
         return found.keep(np.array([k for k, name in enumerate(found.label) if name != self.target], np.int64))
 
 
-#: Episodes of ``mini`` whose target stands in no container: a blackboard eraser, tongs, a bucket and a dice.
+#: Episodes of ``mini`` whose target is not in a container: a blackboard eraser, tongs, a bucket and a die.
 IN_THE_OPEN = (0, 1, 30, 48)
 
 
 def place_of(episode: Episode) -> Recalled:
-    """The target's place, as a robot remembers it that recognised it surely."""
+    """The target's place as remembered by a robot that recognised it with certainty."""
     house, frame = load_house(episode.scene), StartFrame(episode.start)
     boxes = object_boxes(episode.target_object)
     corners = np.array([frame.point(end, house.grid) for end in (boxes[:, :3].min(0), boxes[:, 3:].max(0))])
@@ -50,7 +50,7 @@ def place_of(episode: Episode) -> Recalled:
 
 
 def played(number: int, change: Any = None) -> tuple[dict[str, Any], Searcher]:
-    """Search with a remembered place to the end; the last info."""
+    """Search with a remembered place to the end; returns the last info and the searcher."""
     target = load_episodes("mini")[number].target_category
     env = UcONEnv("mini", observe="symbolic", detector=AllButTheTarget(target), habit_level="none")
     observation, info = env.reset(options={"episode": number})
@@ -77,7 +77,7 @@ def test_what_stands_at_its_place_is_the_target_though_no_detector_finds_it(numb
 
 
 def test_a_place_that_turns_out_empty_is_believed_less_and_not_taken() -> None:
-    """The same place, 0.6 m higher: in the air."""
+    """The remembered place is moved 0.6 m up, into the air."""
     info, search = played(IN_THE_OPEN[2], lambda one: replace(one, xyz=one.xyz + np.array([0.0, 0.0, 0.6])))
     assert not info["is_success"]
     assert search.remembered is not None

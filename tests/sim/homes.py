@@ -1,4 +1,4 @@
-"""Small homes written by hand, and samples of the named scenes, for the tests of this folder."""
+"""Small hand-written homes, and samples of the named scenes, for the tests in this folder."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def item(category: str, x: float, y: float, turns: int = 0, room: int = 0, z: fl
 
 
 def hand_spec(*extra: Item, gap: bool = True) -> HomeSpec:
-    """Two rooms of 5 by 4 m, a doorway between them, six pieces of furniture."""
+    """Two rooms of 5 by 4 m, a doorway between them, and six pieces of furniture."""
     rooms = (
         Room("kitchen_0", "kitchen", (0.0, 0.0, 5.0, 4.0), GREY, Material.TILE, GREY),
         Room("living_room_0", "living_room", (5.0, 0.0, 10.0, 4.0), GREY, Material.PARQUET, GREY),

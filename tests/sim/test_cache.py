@@ -119,7 +119,7 @@ PACKED_HOMES = sorted(path.name for path in cache.PACKED.glob(f"*{cache.SUFFIX}"
     "file", [name if k % 25 == 0 else pytest.param(name, marks=pytest.mark.slow) for k, name in enumerate(PACKED_HOMES)]
 )
 def test_shipped_homes_are_what_the_code_builds(file):
-    """A changed layout rule must not leave old homes in the package."""
+    """After a change of layout rules, no outdated homes may remain in the package."""
     data = (cache.PACKED / file).read_bytes()
     name = house_from_bytes(data, file).spec.name
     assert cache.file_name(name) == file
@@ -134,7 +134,7 @@ def test_shipped_homes_are_in_their_manifest():
 
 
 def repacked(data, change):
-    """A home's file with another content under a checksum of its own."""
+    """A home's file with changed content and a valid checksum."""
     body = bytearray(zlib.decompress(data.partition(b"\n")[2]))
     end = 4 + int.from_bytes(body[:4], "little")
     header = json.loads(body[4:end])
@@ -215,7 +215,7 @@ DAMAGE = {
 def test_a_damaged_home_in_the_cache_is_built_again_with_one_line(damage, folder, monkeypatch, capsys):
     shipped = (Path(cache.__file__).parents[1] / "scenes" / "data" / "homes" / cache.file_name(NAME)).read_bytes()
     right = house_from_bytes(shipped, "shipped")
-    monkeypatch.setattr(cache, "build_house", lambda name: right)  # what building gives, without PyBullet's second
+    monkeypatch.setattr(cache, "build_house", lambda name: right)  # built without PyBullet, which takes a second
     file = cache.cache_folder() / cache.file_name(NAME)
     file.parent.mkdir(parents=True)
     change = DAMAGE[damage]

@@ -51,7 +51,7 @@ def test_a_home_in_pieces_is_an_error():
 @pytest.mark.parametrize("name", ALL_SCENES)
 @pytest.mark.timed
 def test_scenes_compile_in_a_second(name):
-    """From the name: laid out, furnished, built in PyBullet and checked."""
+    """This includes layout, furnishing, building in PyBullet and checks, starting from the name."""
 
     def build():
         built_home.cache_clear()

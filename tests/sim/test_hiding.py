@@ -1,4 +1,4 @@
-"""What is inside a closed container cannot be seen from anywhere; opened, it can be seen from somewhere."""
+"""Things in a closed container cannot be seen from anywhere; when it is open, they can be seen from somewhere."""
 
 import pytest
 
@@ -16,7 +16,7 @@ PITCHES = (0, -30, -60, 30, 60)
 
 
 def seen_from(renderer, nodes, instance):
-    """Most pixels of an instance over nodes, headings and pitches; stops at the first sight that counts."""
+    """Most pixels of an instance over nodes, headings and pitches; stops as soon as it counts as visible."""
     best = 0
     for x, y in nodes:
         for pitch in PITCHES:

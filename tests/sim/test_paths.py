@@ -10,7 +10,7 @@ from ucon.sim import paths
 
 
 def slow_distances(free, sources, costs):
-    """Bellman's relaxation until nothing changes: no queue, no order."""
+    """Reference: Bellman's relaxation until nothing changes, without a queue."""
     dist = np.full(free.shape, 10**6)
     for (i, j), cost in zip(sources, costs, strict=True):
         if free[i, j]:

@@ -1,4 +1,4 @@
-"""Every relation over the official triples: how many succeed, and whether PyBullet agrees that they hold."""
+"""Every relation on the official triples: how many succeed, and whether PyBullet confirms them."""
 
 import subprocess
 import sys
@@ -39,7 +39,7 @@ def success(relation, count, scenes):
 def test_a_sample_of_triples_succeeds(relation):
     results, failed = success(relation, 40, FAST_SCENES)
     assert len(results) == 40
-    # A sample of 40 from a rate of 95 % fails 5 times or more in one of 20 samples.
+    # At a rate of 95 %, one sample of 40 in 20 fails 5 times or more.
     assert len(failed) <= 5, failed
 
 
@@ -71,7 +71,7 @@ def test_the_live_world_agrees_and_the_object_stays(relation):
 
 
 def _moved(world, placed):
-    """How far an object goes in one second of physics in the whole home, from its stored pose."""
+    """How far an object moves from its stored pose in one second of physics in the whole home."""
     p, client = world.bullet, world.client
     world.apply(Arrangement())
     p.setGravity(0, 0, -9.81, physicsClientId=client)
@@ -88,7 +88,7 @@ def _moved(world, placed):
 
 
 def fill(house, seed):
-    """Many objects, each with all the others in place."""
+    """Place many objects, each with all earlier ones in place."""
     arrangement = Arrangement()
     for k, (category, relation, anchor) in enumerate(
         [

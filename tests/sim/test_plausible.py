@@ -1,4 +1,4 @@
-"""Which placements no home can realise, judged on shapes alone: the samplers agree."""
+"""Placements that no home can realise, judged by shapes alone; the samplers agree."""
 
 import pytest
 
@@ -58,7 +58,7 @@ def test_plausible_triples_of_the_official_data_are_plausible_here(relation):
 
 
 def test_what_is_refused_by_shape_the_samplers_refuse_too():
-    """Targets turned round among the triples: most of them cannot be, and none of those can be placed."""
+    """With targets swapped among the triples, many are implausible, and none of those can be placed."""
     chosen = [(t, name) for relation in RELATIONS for t, name in sample(relation, 150, FAST_SCENES)]
     mixed = [
         (Triple(a.target, b.relation, b.anchor), name)

@@ -27,7 +27,7 @@ def number_of(house: House, category: str) -> int:
 
 
 def in_frame_of(house: House, anchor: int, placed: PlacedObject, around: Arrangement = EMPTY) -> np.ndarray:
-    """Ahead and left of an anchor's middle in its own frame, metres."""
+    """Position ahead and left of an anchor's centre in the anchor's frame, metres."""
     scene = Surroundings(house, around)
     box = scene.boxes[anchor]
     away = np.array(placed.position[:2]) - (box[:2] + box[3:5]) / 2
@@ -35,7 +35,7 @@ def in_frame_of(house: House, anchor: int, placed: PlacedObject, around: Arrange
 
 
 def test_sides_of_the_bed(house: House) -> None:
-    """The foot is ahead of the head, whatever the seed; left and right are those of one who stands at the foot."""
+    """The foot is ahead of the head for any seed; left and right are as seen by somebody standing at the foot."""
     bed = number_of(house, "bed")
 
     def at(side: Side, seed: int) -> np.ndarray:
@@ -48,7 +48,7 @@ def test_sides_of_the_bed(house: House) -> None:
 
 
 def test_behind_a_laptop_that_faces_the_chair(house: House) -> None:
-    """The newspaper lies on the side of the laptop that its screen hides."""
+    """The pen lies on the side of the laptop that its screen hides."""
     table = number_of(house, "breakfast_table")
     for seed in range(3):
         laptop = place(house, EMPTY, "laptop", "ontop", table, stream(seed), Spot("front", facing=True))
@@ -68,7 +68,7 @@ def test_without_a_spot_nothing_changes(house: House) -> None:
 
 
 def test_a_side_that_has_no_room_is_refused(house: House) -> None:
-    """The head of the bed is at the wall: nothing is beside it there."""
+    """The head of the bed is at the wall, so nothing fits next to it there."""
     bed = number_of(house, "bed")
     with pytest.raises(PlacementError, match="no place found for suitcase nextto bed"):
         place(house, EMPTY, "suitcase", "nextto", bed, stream(0), Spot("behind"))

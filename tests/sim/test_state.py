@@ -48,7 +48,7 @@ def test_compiled_and_live_floor_agree():
         live = free_cells(world, house.grid.origin_xy, house.grid.room) & house.grid.free
     assert arrangement.blocked
     assert not (state.free & ~live).any()
-    # The compiled state takes a round object's box, so it may give up a node that the live world would keep.
+    # The compiled state uses a round object's box, so it may block a node that is free in the live world.
     assert (live & ~state.free).sum() <= 2
 
 

@@ -41,7 +41,7 @@ def house_of(name: str) -> House:
 
 
 def sample(relation: str, count: int, scenes: tuple[str, ...]) -> list[tuple[Triple, str]]:
-    """Triples of a relation with a scene that has the anchor; ``count`` of them, or all where it is 0."""
+    """Triples of a relation, each with a scene that has the anchor; ``count`` of them, or all if it is 0."""
     has = {name: set(house_of(name).categories) for name in scenes}
     usable = []
     for number, triple in enumerate(t for t in triples() if t.relation == relation):
@@ -55,7 +55,7 @@ def sample(relation: str, count: int, scenes: tuple[str, ...]) -> list[tuple[Tri
 
 
 def try_triple(triple: Triple, name: str, arrangement: Arrangement | None = None):
-    """The placed object, or the reason why it could not be placed by any of a few anchors."""
+    """The placed object, or the reason why it could not be placed at any of the first few anchors."""
     house, before = house_of(name), arrangement or Arrangement()
     anchors = [i for i, category in enumerate(house.categories) if category == triple.anchor]
     order = stream(0, name, *triple).permutation(len(anchors))

@@ -1,4 +1,4 @@
-"""Homes whose habits are all their owner's: places with sides and rooms, several places, things, days."""
+"""Homes with only their owner's habits: places with sides and rooms, several places, things, days."""
 
 from __future__ import annotations
 

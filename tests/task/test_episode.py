@@ -1,4 +1,4 @@
-"""Episodes as data: they survive the file, and damage to the file is one clear error."""
+"""Episodes as data: they survive storage in a file, and damage to the file gives one clear error."""
 
 from __future__ import annotations
 

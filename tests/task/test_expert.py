@@ -14,7 +14,7 @@ from ucon.task.expert import Expert
 from ucon.task.rules import RULES
 from ucon.task.sets import load_episodes
 
-#: Chances of the actions of a walk that strays: it opens what it passes.
+#: Probabilities of the actions in a random walk.
 WALK = (0.45, 0.15, 0.15, 0.05, 0.05, 0.15)
 
 
@@ -31,7 +31,7 @@ def stray(env: UcONEnv, steps: int, seed: int) -> None:
 
 
 def follow(env: UcONEnv, expert: Expert) -> tuple[int, int, bool]:
-    """Moves, steps and success of doing what the expert says."""
+    """Follow the expert to the end; returns moves, steps and success."""
     moves = steps = 0
     ended = success = False
     while not ended:
@@ -73,7 +73,7 @@ def test_finds_its_way_after_straying_and_opening() -> None:
 
 
 def test_says_what_is_right_in_every_step_of_a_stored_solution() -> None:
-    """Along a shortest way, what is left never grows, and falls by one move with each."""
+    """Along a shortest path, the rest never grows, and falls by one move with each move."""
     for episode in load_episodes("mini")[1::10]:
         env = environment("paper")
         env.reset(options={"episode": episode})
@@ -93,7 +93,7 @@ def test_two_hundred_labels_a_second() -> None:
     env, labels = environment("paper"), 0
     expert = Expert(env.episodes[0])
     env.reset(options={"episode": env.episodes[0]})
-    expert.action(env.search)  # kernels are compiled
+    expert.action(env.search)  # compiles the kernels
     spent = 0.0
     for number, episode in enumerate(env.episodes[1:9]):
         env.reset(options={"episode": episode})

@@ -1,4 +1,4 @@
-"""Orders whose home can hold one of their targets."""
+"""Only orders whose home can hold one of their targets are kept."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Making a set that was interrupted: what was made is not made anew, and nothing else is taken for it."""
+"""Continuing an interrupted set: finished episodes are not made again, and nothing else is mistaken for them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ ORDERS = list(itertools.islice(set_orders("mini", book()), 3))
 
 
 def made(journal: Path, first: int = 0, last: int = 3) -> tuple[list[str], list[int]]:
-    """Hashes of the episodes, and after which of them progress was told."""
+    """Hashes of the episodes, and the counts at which progress was reported."""
     told: list[int] = []
     orders = ORDERS[first:last]
     found = make_episodes(orders, workers=1, journal=journal, progress=lambda done, _: told.append(done))
@@ -26,7 +26,7 @@ def test_what_was_made_is_not_made_anew(tmp_path: Path) -> None:
     stored = [episode.hash for episode in load_episodes("mini")[:3]]
     assert made(journal, last=2) == (stored[:2], [1, 2])
     with journal.open("a") as notes:
-        notes.write(journal.read_text()[:500])  # cut off in mid-write
+        notes.write(journal.read_text()[:500])  # cut off while being written
     assert made(journal) == (stored, [3])
     assert made(journal) == (stored, [])
 

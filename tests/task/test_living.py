@@ -1,4 +1,4 @@
-"""Who lives where, and that episodes which state their context follow it."""
+"""Who lives where, and that episodes with a stated context follow it."""
 
 from collections import Counter
 from dataclasses import replace
@@ -42,7 +42,7 @@ def test_a_refused_placement_is_not_realisable():
 
 
 def contextual():
-    """(living, category, entry) of entries that have placements with and without a context in one home."""
+    """(living, category, host) of hosts with placements both with and without a context in one home."""
     living = living_in(load_house("Rs_int"), book())
     for name, hosts in living.items():
         for host in hosts:

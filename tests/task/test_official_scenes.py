@@ -1,4 +1,4 @@
-"""Sets of a release-shaped file of one's own: a scene where nothing can be placed is listed and left out."""
+"""Sets from a user's file in the release's format: a scene where nothing can be placed is reported and left out."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Home files: what is read of them, what is built, and what is said of faults."""
+"""Home files: reading, building, and messages about faults."""
 
 from __future__ import annotations
 
@@ -217,7 +217,7 @@ def test_hostile_sentences_stay_text(tmp_path: Path) -> None:
 
 
 def test_whatever_a_file_says_it_is_read_or_refused(tmp_path: Path) -> None:
-    """Values of every kind in place of those of the example: read, or refused in lines that name the file."""
+    """Values of every kind in place of the example's are either read, or refused in lines that name the file."""
     rng, lines = random.Random(0), EXAMPLE.read_text().splitlines()
     odd = [
         "[]",

@@ -16,7 +16,7 @@ RELEASE = Path(__file__).resolve().parents[2] / "../shared/official_release/task
 
 
 def read(tmp_path: Path, scene: str, *locations: str) -> tuple[int, list[Unplaced]]:
-    """How many placements a made-up task has, and those that cannot be realised."""
+    """The number of placements in a made-up task, and those that cannot be realised."""
     task = {"basic_object_name": "mug", "habits": ["Keeps it there."], "location": list(locations)}
     path = tmp_path / "tasks.json"
     path.write_text(json.dumps({scene: {"mug": [task]}}))
@@ -31,7 +31,7 @@ def test_every_refusal_names_its_position_and_reason(tmp_path: Path) -> None:
         "mug.place_ontop(breakfast_table)",
         "mug.place_nextto(mug)",  # malformed, so not counted here
         "mug.place_inside(breakfast_table)",
-        "mug.place_nextto(tray)",  # brought in
+        "mug.place_nextto(tray)",  # its anchor is imported
         "mug.place_nextto(swing)",
         "mug.place_ontop(ceilings)",
         "mug.place_nextto(walls)",

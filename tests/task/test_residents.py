@@ -1,4 +1,4 @@
-"""Who lives in a home, told for people, agrees with whom episodes meet."""
+"""The list of a home's residents for people agrees with the residents in episodes."""
 
 from dataclasses import replace
 from types import MappingProxyType

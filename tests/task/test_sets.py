@@ -1,4 +1,4 @@
-"""Every shipped episode set: verified, solved by the oracle, and made within the time that is promised."""
+"""Every shipped episode set: verified, solved by the oracle, and made within the promised time."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def test_the_oracle_scores_full_marks(name: str) -> None:
     env = partial(UcONEnv, episodes[:1], task=rules.name, **options)
     records = [p.record for p in evaluate(RunSpec(OracleAgent, env, "none"), episodes, workers=0)]
     assert all(r.success for r in records)
-    least = 0.8 if rules.continuous else 0.99  # a robot's shortest path is no path of its six directions
+    least = 0.8 if rules.continuous else 0.99  # a robot's shortest path need not keep to its six headings
     assert sum(r.spl for r in records) / len(records) >= least
 
 
@@ -104,7 +104,7 @@ def test_sets_are_what_they_say(name: str) -> None:
 
 @pytest.mark.parametrize("task", RULES)
 def test_sampling_again_gives_the_same_episodes(task: str) -> None:
-    """The first orders of the mini set, sampled anew, are what the file holds."""
+    """Sampling the first orders of the mini set again gives the episodes in the file."""
     stored = {e.id: e for e in load_episodes("mini", task)}
     orders = list(itertools.islice(set_orders("mini", book(), task), 2))
     made = make_episodes(orders, task=task, workers=1)
@@ -113,7 +113,7 @@ def test_sampling_again_gives_the_same_episodes(task: str) -> None:
 
 @pytest.mark.slow
 def test_a_thousand_episodes_in_five_minutes() -> None:
-    """On two cores; measured on a tenth of them, in CPU time, which other programs change little."""
+    """On two cores; measured on a tenth of them, in CPU time, which other programs affect little."""
     orders = list(itertools.islice(set_orders("test", book()), 0, 1000, 10))
     before = cpu_seconds_of_children()
     assert len(make_episodes(orders, workers=2)) == 100

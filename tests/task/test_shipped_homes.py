@@ -83,7 +83,7 @@ def test_all_searches_can_be_made(name: str, task: str) -> None:
 
 
 def test_the_habits_say_where_things_are() -> None:
-    """Read as the robot reads them, most sentences of a home say the place that its file says."""
+    """Read as the robot reads them, the habits give the right place for most requests of a home."""
     wish, house = home("robot_house")
     right = 0
     for one in wish.requests:

@@ -1,4 +1,4 @@
-"""Where a target is kept, in words: what the household's own placement says."""
+"""Where a target is kept, in words, from the household's own placement."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The same work on many machines, by Ray: evaluation, labelling, the making of lives, and the collecting of experience.
+"""Evaluating, labelling, making lives and collecting experience on many machines, with Ray.
 
-Homes and episode sets travel as packs; workers that die or hang are replaced. No result depends on who made it.
+Homes and episode sets are sent as packs; workers that die or hang are replaced. No result depends on which worker
+made it.
 """

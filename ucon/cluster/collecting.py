@@ -1,6 +1,6 @@
 """``collector=ray``: experience for PPO from TorchRL's ``RayCollector``, whose workers are replaced when they are lost.
 
-A collection depends on weights and seed alone, so it is made again where a worker was lost in the middle of it.
+A collection depends on weights and seed alone, so it is repeated if a worker is lost during it.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from ucon.learning.ppo.collecting import COLLECTOR_OPTIONS
 from ucon.learning.run.workers import WORKER_TIMEOUT_S, LearnerWorkerError, check_timeout
 
 T = TypeVar("T")
-#: Seconds that a worker has to say that it is there, once others have finished.
+#: Seconds that workers have to answer a ping, after a collection took too long.
 _PING_S: Final = 10.0
-#: Seconds in which workers have to be placed and started.
+#: Seconds within which workers have to be placed and started.
 _START_S: Final = 600.0
 
 
@@ -67,7 +67,7 @@ class OnRay:
             make: makes an environment.
             actor: the policy as a module over tensordicts.
             steps: of each environment in a batch.
-            homes: that the environments load.
+            homes: names of the homes that the environments load.
         """
         ray = connect(self.address, self.workers)
         made = functools.partial(_with_luggage, ray.put(Luggage.packed(homes, here=self.address is None)), make)
@@ -75,7 +75,7 @@ class OnRay:
 
 
 def _with_luggage(luggage: Any, make: Callable[[], Any]) -> Any:
-    """Make an environment in an actor, which unpacks what it needs first."""
+    """In an actor, unpack the luggage and then make an environment."""
     import ray
 
     torch.set_num_threads(1)
@@ -84,10 +84,10 @@ def _with_luggage(luggage: Any, make: Callable[[], Any]) -> Any:
 
 
 class _RemoteCollector(Collector):
-    """In an actor: is given weights and a seed at each collection.
+    """The collector in an actor; it is given weights and a seed for each collection.
 
-    TorchRL sends weights to actors by a store of ``torch.distributed``, which waits a minute for a lost one; Ray's
-    objects are as fast.
+    TorchRL sends weights to actors through a store of ``torch.distributed``, which waits a minute for a lost actor.
+    Sending them as Ray objects is as fast.
     """
 
     def take(self, weights: Mapping[str, Tensor], seed: int) -> int:
@@ -96,16 +96,16 @@ class _RemoteCollector(Collector):
         return self.set_seed(seed)
 
     def set_seed(self, seed: int, static_seed: bool = False) -> int:
-        """Seed environments, and what actions are drawn with, as TorchRL's collectors in processes do."""
+        """Seed the environments and the drawing of actions, as TorchRL's collectors in processes do."""
         following: int = super().set_seed(seed, static_seed)
         torch.manual_seed(seed)
         np.random.seed(seed)  # noqa: NPY002 (the libraries' global state)
-        self.reset()  # an episode more, as there
+        self.reset()  # draws one more episode, as those collectors do
         return following
 
 
 class _LastingCollector:
-    """A ``RayCollector`` that is made anew where a worker dies or hangs.
+    """A ``RayCollector`` that is replaced by a new one if a worker dies or hangs.
 
     Args:
         ray: the module, connected.
@@ -121,10 +121,10 @@ class _LastingCollector:
         self._collector: Any = None
 
     def update_policy_weights_(self) -> None:
-        """Nothing: every collection begins with sending the actor's present weights."""
+        """Do nothing: every collection begins by sending the actor's present weights."""
 
     def set_seed(self, seed: int) -> None:
-        """Seed of the next collection."""
+        """Set the seed of the next collection."""
         self._seed = seed
 
     def __iter__(self) -> Iterator[TensorDictBase]:
@@ -140,7 +140,7 @@ class _LastingCollector:
                 lost.shutdown()
 
     def _collected(self) -> TensorDictBase:
-        """One collection, tried again with new workers where some were lost.
+        """One collection, repeated with new workers if some were lost.
 
         Raises:
             LearnerWorkerError: workers were lost each time.
@@ -166,7 +166,7 @@ class _LastingCollector:
     def _collect(self) -> TensorDictBase:
         weights, seed = self._ray.put(self._actor.state_dict()), self._seed
         for worker in self._collector.remote_collectors:
-            seed = worker.take.remote(weights, seed)  # not waited for: the next one gets it from this one
+            seed = worker.take.remote(weights, seed)  # a reference: Ray passes its value on to the next worker
         return torch.stack(self._ray.get([worker.next.remote() for worker in self._collector.remote_collectors]))
 
     def _start(self) -> None:
@@ -196,7 +196,7 @@ class _LastingCollector:
         )
 
     def _late(self) -> str:
-        """Which workers do not answer, in words."""
+        """A message that names the workers that do not answer."""
         asked = {worker.__ray_ready__.remote(): k for k, worker in enumerate(self._workers())}
         _, late = self._ray.wait(list(asked), num_returns=len(asked), timeout=_PING_S) if asked else ([], [])
         names = ", ".join(f"worker {asked[one]}" for one in late) or "the workers"
@@ -207,10 +207,10 @@ class _LastingCollector:
 
 
 def within(seconds: float, question: Callable[[], T]) -> T:
-    """The answer to a question, asked in a thread of its own, which is abandoned where it takes too long.
+    """Call ``question`` in a separate thread and return its answer; the thread is abandoned if it takes too long.
 
     Args:
-        seconds: most that it may take.
+        seconds: the time limit.
         question: waits for others, and returns their answer.
 
     Raises:

@@ -1,4 +1,4 @@
-"""The connection to a Ray cluster: one that runs, by its address, or one on this machine, made for this process."""
+"""The connection to a Ray cluster: a running one, given by its address, or one on this machine for this process."""
 
 from __future__ import annotations
 
@@ -12,20 +12,23 @@ import ucon
 from ucon.core.errors import ConfigError, brief
 from ucon.core.pool import ONE_THREAD, usable_cores
 
-#: Seconds in which a cluster has to answer.
+#: Seconds within which a cluster has to answer.
 _ANSWER_S: Final = 10.0
 _REMEDY: Final = "start one with `ray start --head`, or leave the address out for one on this machine"
-#: The address that :func:`connect` connected this process to.
+#: The address that :func:`connect` connected this process to; in a tuple, since an address may be None.
 _connected_to: tuple[str | None] | None = None
 
 
 def connect(address: str | None, cpus: int | None = None) -> Any:
-    """Connect this process to a cluster; does nothing where it is connected already. It stays so until it ends.
+    """Connect this process to a cluster; does nothing if it is already connected to it.
+
+    The connection lasts until the process ends or connects to another address. A connection that other code made is
+    used as it is.
 
     Args:
         address: ``host:port``, or ``auto`` for the cluster that runs on this machine; None: a cluster of this process
             alone, which ends with it.
-        cpus: CPUs of a cluster of this process alone; None: the cores that it may use.
+        cpus: CPUs of a cluster of this process alone; None: the cores that the process may use.
 
     Returns:
         The module ``ray``.
@@ -39,7 +42,7 @@ def connect(address: str | None, cpus: int | None = None) -> Any:
     elif address != "auto":
         _check_answers(address)
     global _connected_to
-    # Else whatever is left of an ended connection starts a cluster.
+    # Otherwise leftovers of an ended connection would start a cluster.
     os.environ.setdefault("RAY_ENABLE_AUTO_CONNECT", "0")
     os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")
     try:
@@ -47,7 +50,7 @@ def connect(address: str | None, cpus: int | None = None) -> Any:
     except ImportError:
         raise ConfigError("Ray is not installed: pip install 'ucon-nav[ray]'") from None
     if ray.is_initialized():
-        if _connected_to in (None, (address,)):  # None: somebody else connected this process
+        if _connected_to in (None, (address,)):  # None: other code connected this process
             return ray
         ray.shutdown()
     local: dict[str, Any] = {}
@@ -69,7 +72,7 @@ def connect(address: str | None, cpus: int | None = None) -> Any:
 
 
 def _check_answers(address: str) -> None:
-    """Refuse what is no ``host:port`` of a server: Ray would try for minutes.
+    """Refuse an address that is no ``host:port`` or where no server answers: Ray would try for minutes.
 
     Raises:
         ConfigError: naming the address.
@@ -89,6 +92,6 @@ def cluster_cpus(ray: Any) -> int:
 
 
 def _python_path() -> str:
-    """Where workers find ``ucon`` and ``models``: at the same place as this process."""
+    """``PYTHONPATH`` of workers: they find ``ucon`` and ``models`` in the same folder as this process."""
     root = str(Path(ucon.__file__).resolve().parents[1])
     return os.pathsep.join([root, *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))])

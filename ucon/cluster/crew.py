@@ -1,7 +1,7 @@
-"""A crew of Ray actors that work through jobs, and are replaced where they die or fall silent.
+"""A crew of Ray actors that work through jobs, and are replaced if they die or stop answering.
 
-A member is given a piece of the waiting jobs and returns the result of each as it ends. What a lost member had not
-returned waits again, so no job is lost, and none is counted twice.
+A member is given a piece, which is some of the waiting jobs, and returns the result of each job as it ends. Jobs that
+a lost member had not returned go back into the queue, so no job is lost, and none is counted twice.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from ucon.cluster.roles import Role
 from ucon.core.errors import ConfigError, EpisodeError, UconError
 from ucon.evaluation.playing.crew import TRIES, WorkerError
 
-#: Most seconds between two looks at silent members.
+#: Most seconds between two checks for silent members.
 _TICK_S: Final = 1.0
-#: Seconds in which the first member has to be given a place in the cluster.
+#: Seconds within which the first member has to be given a place in the cluster.
 PLACE_S: Final = 300.0
 
 
 class _Actor:
-    """In a process of its own, somewhere in the cluster."""
+    """The process of a member, somewhere in the cluster."""
 
     def place(self) -> tuple[str, int]:
         """Address of the machine, and number of the process."""
@@ -37,7 +37,7 @@ class _Actor:
         return ray.util.get_node_ip_address(), os.getpid()
 
     def begin(self, luggage: Luggage, kept: Sequence[Any]) -> tuple[str, Any]:
-        """Get ready to work. The role is taken from Ray's store once its homes are at hand."""
+        """Get ready to work. The role is read from Ray's store only after the luggage, with its homes, is unpacked."""
         import ray
 
         try:
@@ -65,7 +65,7 @@ class _Actor:
 
 @dataclass(eq=False)
 class _Member:
-    """An actor, what is awaited from it, and the jobs that it has yet to do, in its order."""
+    """An actor, what is awaited from it, and the jobs that it has yet to do, in order."""
 
     name: str
     actor: Any
@@ -87,9 +87,9 @@ class Crew:
         role: what they do.
         members: how many.
         patience_s: most seconds for a job, and for getting ready.
-        luggage: what they need beside the role.
-        cpus: of the cluster, for each member.
-        gpus: the same.
+        luggage: what they need besides the role.
+        cpus: CPUs of the cluster for each member.
+        gpus: GPUs of the cluster for each member.
         option: name of the option that raises ``patience_s``, for messages.
     """
 
@@ -116,16 +116,16 @@ class Crew:
         self._nowhere_s = 0.0
 
     def add(self, jobs: Iterable[tuple[int, Any]]) -> None:
-        """Let jobs wait for a member; they are begun in this order."""
+        """Add jobs to the queue; they are begun in this order."""
         self._waiting.extend(jobs)
 
     @property
     def busy(self) -> bool:
-        """Whether a job is not done yet."""
+        """Whether any job is not done yet."""
         return bool(self._waiting) or any(member.left for member in self._members)
 
     def receive(self) -> list[tuple[int, Any]]:
-        """Numbers and results of jobs that ended within a second.
+        """Wait up to a second for jobs to end; returns the numbers and results of those that did.
 
         Raises:
             UconError: raised by a member, unchanged.
@@ -152,7 +152,7 @@ class Crew:
             self._kill(self._members.pop())
 
     def _assign(self) -> None:
-        """Start members while there are fewer than jobs for them, and give pieces to those that are idle."""
+        """Start members as long as there are jobs for more of them, and give pieces to idle ones."""
         working = sum(bool(member.left) for member in self._members)
         wanted = min(self._size, working + len(self._waiting))
         while len(self._members) < wanted:
@@ -170,7 +170,7 @@ class Crew:
         self._started += 1
 
     def _handle(self, member: _Member) -> list[tuple[int, Any]]:
-        """Take what a member returned; empty where that was no result."""
+        """Take what a member returned; the list is empty if that was no result."""
         errors = self._ray.exceptions
         try:
             content = self._taken(member)
@@ -227,7 +227,7 @@ class Crew:
                 self._replace(member, f"did not finish {what} within {limit:g} s ({self._option})", hangs=True)
 
     def _replace(self, member: _Member, why: str, *, hangs: bool = False) -> None:
-        """End a member; what it had to do waits again, unless it was tried too often."""
+        """End a member and put its jobs back into the queue, unless one of them was tried too often."""
         self._members.remove(member)
         self._kill(member)
         running = member.left[: self._role.at_once]

@@ -1,4 +1,4 @@
-"""Hash of the code, versions of packages, homes and sets: sent to a worker on another machine before it begins."""
+"""What a worker on another machine is sent before it begins: hash of the code, package versions, homes and sets."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from ucon.task import sets
 
 @dataclass(frozen=True)
 class Luggage:
-    """Sent to each worker once.
+    """What each worker is sent once.
 
     Attributes:
         code: hash of ``ucon`` and ``models``.
         versions: of Python and the packages that can change a record.
-        folder: working folder of the sender, in which relative paths of configurations lie.
+        folder: working folder of the sender, which relative paths in configurations refer to.
         pack: files of a pack by their path within it; empty for none.
     """
 
@@ -39,7 +39,7 @@ class Luggage:
         Args:
             homes: names of homes; those that are not compiled yet are compiled now.
             episodes: names of sets that the work loads.
-            here: the workers are on this machine and find both, so that nothing is packed.
+            here: True if the workers are on this machine: they find homes and sets, so nothing is packed.
         """
         if here:
             homes = episodes = ()
@@ -57,7 +57,7 @@ class Luggage:
         """Prepare this process: compare its code, enter the sender's folder if it is here, and lay out the pack.
 
         Raises:
-            ConfigError: another code, or other versions of packages.
+            ConfigError: the code or the versions of packages differ.
         """
         host = platform.node()
         if code_hash() != self.code:
@@ -74,7 +74,7 @@ class Luggage:
             os.environ["UCON_PACK"] = str(self._laid_out())
 
     def _laid_out(self) -> Path:
-        """Folder of the pack in the user's cache; where nothing can be written there, a temporary one."""
+        """Folder that the pack is written to: in the user's cache, or a temporary one if that cannot be written."""
         key = sha256_bytes("".join(f"{name} {sha256_bytes(data)}\n" for name, data in self.pack.items()).encode())
         folder = user_cache() / "packs" / key[:16]
         try:

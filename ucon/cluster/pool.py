@@ -15,17 +15,17 @@ T = TypeVar("T")
 
 
 class RayPool:
-    """A pool on a cluster, used as a context; at its end all its actors end.
+    """A pool on a cluster, used as a context manager; its actors end with the context.
 
     Args:
         ray: the module, connected.
         members: number of actors.
-        begin: called first in each of them, with ``given``.
-        given: sent to each once.
+        begin: called first in each actor, with ``given``.
+        given: sent to each actor once.
         patience_s: longest time for one result, seconds.
-        luggage: what they need beside.
-        cpus: of the cluster, for each actor.
-        gpus: the same.
+        luggage: what the actors need besides.
+        cpus: CPUs of the cluster for each actor.
+        gpus: GPUs of the cluster for each actor.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class RayPool:
             *given: its arguments.
 
         Returns:
-            What :meth:`result` is to be given.
+            A number to give to :meth:`result`.
         """
         number, self._asked = self._asked, self._asked + 1
         self._crew.add([(number, (work, given))])

@@ -12,19 +12,19 @@ from ucon.evaluation.playing.play import RunSpec
 from ucon.evaluation.playing.stage import Stage
 from ucon.lives.asked import Asked
 
-#: Most episodes of a piece: what may have to be played again where a worker dies.
+#: Most episodes of a piece: if a worker dies, all of them may have to be played again.
 _MOST: Final = 32
-#: Into so many pieces for each worker the rest of the jobs is cut, so that all end at nearly the same time.
+#: Pieces per worker into which the waiting jobs are cut, so that all workers end at nearly the same time.
 _PIECES: Final = 4
 
 
 def piece_size(count: int, at_once: int, members: int) -> int:
-    """How many of ``count`` waiting episodes a member is given: ever fewer, since the last pieces decide the end.
+    """How many of ``count`` waiting episodes a member is given; pieces shrink, since the last ones decide the end.
 
     Args:
-        count: of waiting episodes.
-        at_once: that a member plays at once.
-        members: of the crew.
+        count: number of waiting episodes.
+        at_once: episodes that a member plays at once.
+        members: number of members of the crew.
     """
     return min(count, max(at_once, min(_MOST, count // (_PIECES * members))))
 
@@ -62,7 +62,7 @@ class Playing:
 
     @property
     def at_once(self) -> int:
-        """Environments whose observations the agent is given together."""
+        """Number of environments whose observations the agent is given together."""
         return self.spec.batch
 
     def begin(self) -> Stage:
@@ -75,7 +75,7 @@ class Playing:
             yield played.index, played
 
     def piece(self, waiting: Iterable[Job], count: int, members: int) -> int:
-        """Whole lives, as many as are played at once; of episodes see :func:`piece_size`."""
+        """The requests of as many whole lives as are played at once; for episodes see :func:`piece_size`."""
         first = next(iter(waiting))[1]
         if not isinstance(first, Asked):
             return piece_size(count, self.at_once, members)
@@ -90,7 +90,7 @@ class Playing:
 
 
 def _counted(job: Job, lives: dict[str, int]) -> int:
-    """Count a request to its life; returns the number of lives so far."""
+    """Count a request for its life; returns the number of lives so far."""
     asked = job[1]
     assert isinstance(asked, Asked)
     lives[asked.life.id] = lives.get(asked.life.id, 0) + 1
@@ -106,7 +106,7 @@ class Calling:
     at_once = 1
 
     def begin(self) -> None:
-        """Call what is called first in each process."""
+        """Call ``start``, which comes first in each process."""
         if self.start is not None:
             self.start(*self.given)
 
@@ -116,9 +116,9 @@ class Calling:
             yield number, function(*given)
 
     def piece(self, waiting: Iterable[tuple[int, Any]], count: int, members: int) -> int:
-        """One."""
+        """One job at a time."""
         return 1
 
     def name(self, job: tuple[int, Any]) -> str:
-        """Its number."""
+        """Number of the job."""
         return f"piece {job[0]}"

@@ -20,7 +20,7 @@ from ucon.lives.asked import Asked
 
 @dataclass(frozen=True)
 class RayRunner:
-    """Has work done by Ray actors.
+    """Runs work in Ray actors.
 
     Raises:
         ConfigError: a number out of range.
@@ -30,7 +30,7 @@ class RayRunner:
     address: str | None = None
     """``host:port`` of a running cluster, or ``auto``; None: a cluster on this machine, for this command."""
     cpus: float = 1.0
-    """CPUs of each worker; it computes with one thread."""
+    """CPUs of each worker, which computes with one thread."""
     gpus: float = 0.0
     """GPUs of each worker, for agents that compute there (``agent.device=cuda``)."""
 
@@ -77,7 +77,7 @@ class RayRunner:
         patience_s: float,
         needs: Needs = NOTHING,
     ) -> RayPool:
-        """A pool on all CPUs of the cluster, whatever the number of processes that work on one machine.
+        """A pool on all CPUs of the cluster; ``workers`` matters only if the cluster is made for this command.
 
         Args:
             workers: CPUs of a cluster that is made for this command.

@@ -1,4 +1,4 @@
-"""How long a run takes on a cluster: the crew's own rule of giving out pieces, with slow and failing workers."""
+"""Simulates how long a run takes on a cluster, with the crew's own rule for pieces and slow and failing workers."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _HOUR: Final = 3600.0
 
 @dataclass(frozen=True)
 class Trouble:
-    """How many workers are slow and are lost, and the seconds that it costs.
+    """How many workers are slow or lost, and what that costs in time.
 
     Raises:
         ConfigError: a number out of range.
@@ -28,9 +28,9 @@ class Trouble:
     slow_share: float = 0.05
     """Share of workers that are slow."""
     slowness: float = 2.0
-    """How many times as long these take."""
+    """How many times as long a slow worker takes."""
     start_s: float = 20.0
-    """Seconds until a worker, or the one in its place, begins."""
+    """Seconds until a worker, or its replacement, begins."""
     found_s: float = 10.0
     """Seconds until a loss is noticed."""
 
@@ -44,32 +44,32 @@ class Trouble:
 
 @dataclass(frozen=True)
 class Schedule:
-    """Wall time, work and losses of a reckoned run."""
+    """Wall time, work and losses of a simulated run."""
 
     workers: int
     wall_s: float
-    """Until the last job ends."""
+    """Seconds until the last job ends."""
     work_s: float
-    """Worker seconds of the jobs themselves, each once."""
+    """Worker seconds of the jobs themselves, each counted once."""
     again_s: float
-    """Worker seconds of jobs that were cut off, and begun again."""
+    """Worker seconds spent on jobs that were cut off and begun again."""
     lost: int
     """Workers that were lost."""
 
     @property
     def efficiency(self) -> float:
-        """Share of all workers' time in which jobs were done that counted."""
+        """Share of all workers' time that went into jobs that counted."""
         return self.work_s / (self.workers * self.wall_s)
 
 
 def simulate(seconds: Sequence[float], workers: int, trouble: Trouble, *, at_once: int = 1, seed: int = 0) -> Schedule:
-    """Play a schedule through.
+    """Simulate a run.
 
     Args:
-        seconds: of each job, in order.
-        workers: how many.
+        seconds: duration of each job, in order.
+        workers: number of workers.
         trouble: what goes wrong.
-        at_once: jobs that a worker is given at least.
+        at_once: least number of jobs that a worker is given at once.
         seed: of losses and slow workers.
 
     Raises:

@@ -1,7 +1,8 @@
 """``python -m ucon bench``: speed of renderer, environments and agent, on one core.
 
-With ``--learning`` of learners, with ``--batched`` of many homes at once, with ``--scaling`` cost against the size of
-knowledge bases and homes.
+Options measure something else instead: ``--learning`` the speed of learners, ``--batched`` that of many homes at once,
+``--scaling`` cost against the size of knowledge bases and homes. ``--cluster`` estimates how long a run takes on a
+cluster.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ _STEPS: Final = "steps a second"
 _FRAMES: Final = "frames a second"
 _LEARNED: Final = "decisions a second"
 _SHARE: Final = "(fraction)"
-#: Worker processes that learners are measured with.
+#: Numbers of worker processes with which learners are measured.
 _WORKERS: Final = (1, 2)
 #: Description and unit of each figure of ``--json``.
 _FIGURES: Final = {
@@ -224,7 +225,7 @@ def measure(*, renderer: bool = True) -> dict[str, Any]:
 
 
 def measure_learning() -> dict[str, Any]:
-    """Frames or decisions a second of every learner, by name and number of worker processes."""
+    """Frames or decisions per second of every learner, by name and number of worker processes."""
     from ucon.core.progress import Progress
     from ucon.programs.learning_speed import learning_rates, stages
 

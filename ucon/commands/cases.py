@@ -1,4 +1,4 @@
-"""``python -m ucon cases RUN``: which habit made a search go as it went, by playing it again without that habit."""
+"""``python -m ucon cases RUN``: which habit caused a search's outcome, found by playing it again without that habit."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ucon.configuration.kept_config import add_places, bad, configuration_of, pl
 if TYPE_CHECKING:
     from ucon.programs.counterfactual import Found
 
-#: Examples that are printed of each kind.
+#: Number of examples that are printed of each kind.
 _SHOWN = 3
 
 

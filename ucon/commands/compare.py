@@ -135,7 +135,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _plot_shares(runs: Mapping[Path, Run], plot: Path) -> list[Path]:
-    """Draw success against the share of false sentences, where runs have some; the file written."""
+    """Draw success against the share of false sentences, where runs have some; returns the files written."""
     from ucon.evaluation.figures.false_shares import draw_false_shares, false_shares
 
     lines = false_shares(runs)
@@ -145,7 +145,7 @@ def _plot_shares(runs: Mapping[Path, Run], plot: Path) -> list[Path]:
 
 
 def _check_shown(args: argparse.Namespace) -> None:
-    """Raise :class:`ConfigError` where what is asked for is not shown in the form that is asked for."""
+    """Raise :class:`ConfigError` for an option that the chosen form of output does not show."""
     from ucon.core.errors import ConfigError
 
     for option in ("closed", "when"):
@@ -154,7 +154,7 @@ def _check_shown(args: argparse.Namespace) -> None:
 
 
 def _are_trained(folders: list[Path], args: argparse.Namespace) -> bool:
-    """Whether the folders are runs of ``train.py``, which have learning curves alone to be compared."""
+    """Whether the folders are runs of ``train.py``, which are compared only by their learning curves."""
     from ucon.core.errors import ConfigError
     from ucon.learning.run.run_folder import METRICS
 
@@ -184,7 +184,7 @@ def _json(
     way: tuple[Run, Run] | None,
     parts: Mapping[str, Mapping[str, list[Comparison]] | None],
 ) -> Any:
-    """The list of differences; with more asked for, a mapping: what every run has closed, and ``parts`` by name."""
+    """The list of differences; or with ``way`` or ``parts``, a mapping with distance closed by run, and the parts."""
     from ucon.evaluation.figures.gap_closed import carried_over, distance_closed
 
     differences = [pair.to_json() for pair in pairs]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from ucon.task.episode import Episode
 
-#: Index in ``mini`` of an episode where habits help. What they are worth on average is in results/.
+#: Index in ``mini`` of an episode where habits help. Their average worth is in results/.
 _EPISODE = 12
 
 

@@ -42,7 +42,7 @@ def run(args: argparse.Namespace) -> int:
 
     Raises:
         ConfigError: no such detector, or none that finds boxes.
-        DataError: too few looks, or the file is none.
+        DataError: too few looks, or a file without detector errors.
     """
     from ucon.perception.errors.model import read_errors
 
@@ -97,7 +97,7 @@ def _detector(name: str, options: list[str]) -> BoxDetector:
     """A configured detector.
 
     Raises:
-        ConfigError: there is none of this name, or it finds no boxes.
+        ConfigError: there is no detector with this name, or it finds no boxes.
     """
     from ucon.configuration.wiring import Factory
     from ucon.core.errors import ConfigError

@@ -171,7 +171,7 @@ def encoder() -> Iterator[Diagnosis]:
 
 
 def language_model() -> Iterator[Diagnosis]:
-    """Report whether the small language model is fetched; nothing needs it but ``language=smollm2``."""
+    """Report whether the small language model is fetched; only ``language=smollm2`` needs it."""
     from ucon.language.packaged import SMOLLM2
 
     if SMOLLM2.fetched:

@@ -1,6 +1,6 @@
 """``python -m ucon episodes make SET`` and ``episodes verify SET``: makes and verifies sets of episodes.
 
-Episodes made so far are stored in a file beside the set's (``.part``): the same command continues after an
+Episodes made so far are stored in a file next to the set's (``.part``): the same command continues after an
 interruption.
 """
 
@@ -68,7 +68,7 @@ def _make(args: argparse.Namespace) -> int:
     from ucon.task.making.set_plans import CONTEXT_SETS, OFFICIAL_SETS, set_orders
     from ucon.task.sets import check_suffix, save_episodes, set_name, set_path
 
-    # The official sets need --habits, so they may be written to their own place; a part of a set may not.
+    # The official sets need --habits, so with it they may be written to their own place; a part of a set may not.
     other = [("--habits", args.habits and args.name not in OFFICIAL_SETS), ("--limit", args.limit is not None)]
     if args.out is None and (given := [option for option, value in other if value]):
         raise ConfigError(f"{given[0]} without --out: set '{args.name}' itself would be replaced; give --out FILE")

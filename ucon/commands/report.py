@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ucon.configuration.kept_config import add_places, places_in
 
-#: Name of the file beside a run.
+#: Name of the file in a run's folder.
 NAME = "report.html"
 
 

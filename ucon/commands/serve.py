@@ -1,4 +1,4 @@
-"""``python -m ucon serve``: pages in the browser, on this machine alone: runs, homes, habits, play, study."""
+"""``python -m ucon serve``: serves pages to browsers on this machine alone: runs, homes, habits, play, study."""
 
 from __future__ import annotations
 
@@ -89,13 +89,13 @@ def _require_folder(out: Path) -> None:
 
 
 def _open(address: str) -> None:
-    """Open the address in the user's browser, once the server answers; where there is a screen."""
+    """Open the address in the user's browser, once the server answers; only where there is a screen."""
     import os
     import sys
     import threading
     import webbrowser
 
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        return  # a browser within the terminal would take its place
+        return  # a browser in the terminal would take over the terminal
 
     threading.Timer(0.7, webbrowser.open, (address,)).start()

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ucon.programs.two_searches import Search
 
 
-#: Read places below this probability are a guess.
+#: Places that are read with less than this probability count as a guess.
 _UNSURE = 0.1
 
 
@@ -51,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
         args: parsed options.
 
     Returns:
-        Exit code 0; 2 if the wish has faults, which are printed one per line.
+        Exit code 0; 2 if the request has faults, which are printed one per line.
     """
     from ucon.core.output import stdout_to_stderr
     from ucon.habits.datafile import save_dataset

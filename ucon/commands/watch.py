@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ucon.evaluation.kept.record import EpisodeRecord
     from ucon.programs.evaluating import Evaluation
 
-#: Most habits that are printed.
+#: Largest number of habits that are printed.
 _MOST_HABITS: Final = 5
 #: What a computed choice promises, in the text of its decision.
 _PROMISE: Final = re.compile(r"worth (\S+), (.+? away), score ([^\s,]+)")
@@ -136,7 +136,7 @@ def _film(args: argparse.Namespace, kept: FinishedRun, number: int) -> int:
 
 
 def _decision_lines(made: Sequence[DecisionRecord]) -> Iterator[str]:
-    """Lines of an episode's decisions; before them what their numbers mean, where they have any."""
+    """Lines of an episode's decisions, after a legend of their numbers where they have any."""
     texts = [d.text if d.asked else _evenly(d.text) for d in made]
     if any(not d.asked and _PROMISE.search(d.text) for d in made):
         yield _LEGEND
@@ -145,7 +145,7 @@ def _decision_lines(made: Sequence[DecisionRecord]) -> Iterator[str]:
 
 
 def _evenly(text: str) -> str:
-    """The text of a computed choice with four digits after the point in each number of it."""
+    """The text of a computed choice, with four decimals in its worth and its score."""
 
     def four_digits(found: re.Match[str]) -> str:
         worth, away, score = found.groups()
@@ -155,7 +155,7 @@ def _evenly(text: str) -> str:
 
 
 def _habit_lines(run: Evaluation, agent: Any, number: int, *, reads: bool) -> Iterator[str]:
-    """Lines with the habits that the agent was given at the start: those that it reads most from, or the first.
+    """Lines with habits that the agent was given at the start: those from which it reads most, or the first ones.
 
     Args:
         run: the run.

@@ -71,7 +71,7 @@ def arguments_of(target: str) -> dict[str, tuple[Kind, Any]]:
                 out[parameter.name] = (_NARROWER.get(parameter.name, kind), parameter.default)
             passes_on = any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters)
             if not passes_on and (not inspect.isclass(found) or issubclass(found, one)):
-                break  # a class of options takes nothing further, the bases of its owner do
+                break  # an options class takes no further arguments, but its owner's bases do
     except Exception:  # not importable or not callable: building it gives the error
         return {}
     return out

@@ -21,7 +21,7 @@ import yaml
 import ucon
 from ucon.core.errors import DataError
 
-#: Folder of the configurations, beside the package in a clone; a wheel has none.
+#: Folder of the configurations, next to the package in a clone; a wheel has none.
 CONFIGS: Final = Path(ucon.__file__).resolve().parents[1] / "configs"
 
 Place = tuple[str, ...]
@@ -35,7 +35,7 @@ _TAKEN: Final = re.compile(r"\$\{(?:oc\.select:)?([\w.]+)(?:,[^${}]*)?\}")
 class Call:
     """A constructor and how Hydra is told to call it.
 
-    The latter are all keys with a leading ``_`` beside ``_target_``, such as ``_partial_`` and ``_recursive_``.
+    The latter are all keys with a leading ``_`` besides ``_target_``, such as ``_partial_`` and ``_recursive_``.
     """
 
     target: str

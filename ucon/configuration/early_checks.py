@@ -1,4 +1,4 @@
-"""Refuses a learner's wrong options before the learner is imported: torch and TorchRL take seconds for that."""
+"""Refuses a learner's wrong options before the learner is imported: importing torch and TorchRL takes seconds."""
 
 from __future__ import annotations
 

@@ -66,7 +66,7 @@ def configuration_of(folder: Path, places: Mapping[str, str], said: Mapping[str,
     where, config = folder / CONFIG, {**_DEFAULTS_OF_OLDER_RUNS, **_with_paths(read_config(folder), places)}
     if missing := [name for name, kind in _NEEDED.items() if not isinstance(_at(config, name), kind)]:
         raise DataError(f"{where}: no usable {', '.join(missing)} in it; restore it or evaluate again")
-    # Where it is played again, and where a memory is written, is not the folder's to say.
+    # The folder must not decide where the run is played again, or where a memory is written.
     config.pop("runner", None)
     if isinstance(memory := config.get("memory"), dict) and "keep" in memory:
         memory["keep"] = None

@@ -1,7 +1,7 @@
-"""Kinds and ranges of the options of ``eval.yaml`` and ``train.yaml`` that are no arguments of a constructor.
+"""Kinds and ranges of the options of ``eval.yaml`` and ``train.yaml`` that are not arguments of a constructor.
 
-Arguments of constructors are annotated there (:mod:`ucon.configuration.arguments`). A test requires that every option
-of both files is in one of the two.
+Arguments of constructors are checked by their annotations (:mod:`ucon.configuration.arguments`). A test requires that
+every option of both files is checked in one of the two ways.
 """
 
 from __future__ import annotations

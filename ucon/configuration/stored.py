@@ -1,4 +1,4 @@
-"""What a run's folder may have built. Folders are passed on, so their configurations are not trusted.
+"""What a stored configuration may build. Runs' folders are passed on, so their configurations are not trusted.
 
 ``replay``, ``cases`` and ``train.py resume=`` build objects from a configuration in a folder. At each place it may name
 only what ``configs/`` names there. Values that reach beyond this process (programs, servers, downloads) are never taken

@@ -21,7 +21,7 @@ DIRECTIONS: Final[NDArray[np.float64]] = np.zeros((7, 6, 2))
 DIRECTIONS[4, :4] = np.stack([HEADING_COS, HEADING_SIN], 1)
 DIRECTIONS[6, :, 0] = (1.0, 0.5, -0.5, -1.0, -0.5, 0.5)
 DIRECTIONS[6, :, 1] = (0.0, _HALF_ROOT_3, _HALF_ROOT_3, 0.0, -_HALF_ROOT_3, -_HALF_ROOT_3)
-#: The node (da, db) of the triangular lattice that a move along heading h of six leads to. Node (a, b) of it is at
+#: The node (da, db) of the triangular lattice that a move along heading h of six leads to. Node (a, b) is at
 #: ``start + move (a e0 + b e1)``, with e0 along heading 0 and e1 along heading 1.
 LATTICE_STEPS: Final[NDArray[np.int32]] = np.array([(1, 0), (0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1)], np.int32)
 #: Tangent of half the width of a view, by the number of headings; 1 for four.
@@ -38,8 +38,8 @@ def heading_to(dx: float, dy: float, n: int) -> int:
     """The heading of n in which a point lies.
 
     Args:
-        dx: to the point along x, in any unit.
-        dy: to the point along y.
+        dx: x component of the vector to the point, in any unit.
+        dy: y component.
         n: number of headings.
     """
     if n == 4:  # exact on the diagonals

@@ -46,9 +46,9 @@ def torch_precision(name: str, device: str = "cpu", *, on_cpu: bool = False) -> 
     """The type of a network's matrix products.
 
     Args:
-        name: ``float32``, ``bfloat16``, or ``auto``: bfloat16 on a GPU that has products of it, else float32.
+        name: ``float32``, ``bfloat16``, or ``auto``: bfloat16 on a GPU with bfloat16 products, else float32.
         device: as :func:`torch_device` gives it.
-        on_cpu: whether ``auto`` is bfloat16 on a processor that has it, too.
+        on_cpu: whether ``auto`` means bfloat16 on a processor that supports it, too.
 
     Raises:
         ConfigError: no such precision.

@@ -91,11 +91,11 @@ def unknown_name(kind: str, name: str, known: Iterable[str], *, remedy: str = ""
     """The message for a name that does not exist, with the nearest ones that do.
 
     Args:
-        kind: what the name is of, such as ``detector``.
+        kind: the kind of thing that is named, such as ``detector``.
         name: the unknown name.
         known: the names that exist.
         remedy: added at the end.
-        meant: existing names that are near in meaning, nearest first.
+        meant: existing names of similar meaning, the most similar first.
     """
     names, name = sorted(known), brief(name)
     close = difflib.get_close_matches(name, names, n=3)

@@ -69,7 +69,7 @@ def sha256_file(path: Path) -> str:
 
 
 def remembered_sha256(path: Path) -> str:
-    """SHA-256 of a large file, in hexadecimal; the file is read again only if its size or time changed."""
+    """SHA-256 of a large file, in hexadecimal; the file is read again only if its size or modification time changed."""
     stat, name = path.stat(), str(path.resolve())
     note = user_cache() / "sha256" / f"{sha256_bytes(name.encode())[:32]}.json"
     state = {"bytes": stat.st_size, "mtime_ns": stat.st_mtime_ns}
@@ -86,7 +86,7 @@ def remembered_sha256(path: Path) -> str:
 
 
 def write_atomic(path: Path, data: bytes | str) -> None:
-    """Write a file so that it is never incomplete: write to a temporary name beside it, sync, rename.
+    """Write a file so that it is never incomplete: write a temporary file next to it, sync, rename.
 
     Folders are made as needed.
 
@@ -127,17 +127,17 @@ def require_writable(path: Path) -> None:
 def _make_folder(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
-    except FileExistsError:  # says less than what it means: a file is in the way
+    except FileExistsError:  # unclear message: a file is where the folder should be
         raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(folder)) from None
 
 
 def canonical_json(value: Any) -> str:
-    """JSON with sorted keys and no spaces, the text that hashes are computed of."""
+    """JSON with sorted keys and no spaces, the text from which hashes are computed."""
     return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
 
 
 def write_manifest(folder: Path, names: Iterable[str]) -> None:
-    """Write ``MANIFEST.json``, with size and SHA-256 of files of a folder.
+    """Write ``MANIFEST.json``, with the size and SHA-256 of files in a folder.
 
     Args:
         folder: of the files.

@@ -1,4 +1,4 @@
-"""Checksums of trained weights, by which results and training runs name the weights they used."""
+"""Checksums of trained weights, by which results and training runs identify the weights they used."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from typing import Protocol, runtime_checkable
 
 @runtime_checkable
 class Fingerprinted(Protocol):
-    """Has weights that are not part of its configuration."""
+    """An object with weights that are not part of its configuration."""
 
     def fingerprint(self) -> str | None:
-        """Checksum of the weights; "" without any, None where they are missing."""
+        """Checksum of the weights; "" if it has none, None if they are missing."""
         ...
 
 

@@ -1,4 +1,4 @@
-"""Memory that a process may still take, so that what cannot fit is refused before it is read."""
+"""Memory that a process may still use, so that data that cannot fit are refused before they are read."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _GROUP: Final = Path("/sys/fs/cgroup")
 
 
 def free_bytes() -> int | None:
-    """Bytes that are free here, within the limit of this process's control group; None where it cannot be told.
+    """Bytes that are free here, within the limit of this process's control group; None where it is unknown.
 
     On systems without ``/proc`` all of the machine's memory counts as free.
     """

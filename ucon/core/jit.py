@@ -3,8 +3,9 @@
 Strict IEEE arithmetic (no fastmath) gives the same bits on every machine of one instruction set.
 
 Numba recompiles a kernel only when its own file changes. But kernels that it calls, and constants of other modules, are
-compiled into it and may be in other files. So the kernels of a package are kept in a folder named by the hash of all
-its files that define kernels and of those that these import; of another package than this one, by this one's hash too.
+compiled into it and may be in other files. So the compiled kernels of a package are kept in a folder named by a hash
+over all its files that define kernels and the files that these import. For packages other than ``ucon``, the hash also
+covers that of ``ucon``.
 """
 
 from __future__ import annotations
@@ -58,10 +59,10 @@ def leaf(function: _Function) -> _Function:
 
 
 def inlined(function: _Function) -> _Function:
-    """As :func:`leaf`, for a kernel that is called thousands of times a picture from one or two places.
+    """As :func:`leaf`, for a kernel that is called thousands of times per image from one or two places.
 
     Otherwise the compiler passes some twenty words for three arrays, which takes longer than drawing a small face. With
-    more callers it would only lengthen compilation.
+    more callers, inlining would only lengthen compilation.
     """
     return _compiled(function, _nrt=False, forceinline=True)
 
@@ -78,7 +79,7 @@ def _compiled(function: _Function, **options: Any) -> _Function:
 
 
 def _package_of(function: Callable[..., Any]) -> Path:
-    """Folder of the package that a function is of; this package's for a function of a script."""
+    """Folder of the package that defines a function; this package's for a function in a script."""
     top = sys.modules.get(function.__module__.partition(".")[0])
     file = getattr(top, "__file__", None)
     return Path(file).resolve().parent if file and Path(file).name == "__init__.py" else _PACKAGE
@@ -86,7 +87,7 @@ def _package_of(function: Callable[..., Any]) -> Path:
 
 @lru_cache
 def kernel_folder(package: Path = _PACKAGE) -> Path:
-    """Folder of a package's compiled kernels: beside its code, or in the user's cache where that is read-only."""
+    """Folder of a package's compiled kernels: in its ``__pycache__``, or in the user's cache if that is read-only."""
     own = sources_hash(package)
     digest = own if package == _PACKAGE else hashlib.sha256((own + sources_hash(_PACKAGE)).encode()).hexdigest()
     name = f"kernels-{digest[:16]}"
@@ -96,7 +97,7 @@ def kernel_folder(package: Path = _PACKAGE) -> Path:
 
 
 def sources_hash(package: Path) -> str:
-    """SHA-256 over a package's files that define kernels and those of it that they import, by name and content."""
+    """SHA-256 over the files of a package that define kernels or that these import, by name and content."""
     imports = re.compile(rb"^from %s\.([\w.]+) import" % re.escape(package.name.encode()), re.MULTILINE)
     files = {path.relative_to(package).as_posix(): path.read_bytes() for path in package.rglob("*.py")}
     chosen = {name for name, content in files.items() if _MARK in content}

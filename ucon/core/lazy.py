@@ -1,4 +1,4 @@
-"""Packages whose names are imported when they are first used: who needs one of them does not wait for all."""
+"""Packages whose names are imported on first use, so that needing one of them does not import them all."""
 
 from __future__ import annotations
 

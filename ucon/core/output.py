@@ -19,7 +19,7 @@ _LEAST_WIDTH = 132
 
 
 def is_wide() -> bool:
-    """Whether standard output is wide enough for whole tables; 80 columns are assumed where it is no terminal."""
+    """Whether standard output is wide enough for whole tables; 80 columns are assumed if it is not a terminal."""
     from rich.console import Console
 
     return Console().width >= _LEAST_WIDTH
@@ -48,7 +48,7 @@ def stdout_to_stderr() -> Iterator[None]:
 
 @cache
 def say_once(line: str) -> None:
-    """Print a line to standard error, once a process and never from worker processes."""
+    """Print a line to standard error, once per process and never from worker processes."""
     if multiprocessing.parent_process() is None:
         print(line, file=sys.stderr)
 

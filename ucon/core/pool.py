@@ -1,4 +1,4 @@
-"""A pool of spawned processes with a time limit for each result: a process may hang or be stopped.
+"""A pool of spawned processes with a time limit for each result, since a process may hang or be stopped.
 
 :func:`open_pool` opens one on this machine, or wherever :func:`pools_from` says.
 """
@@ -57,7 +57,7 @@ class Workers(Protocol):
         ...
 
     def result(self, asked: Any) -> Any:
-        """Its result; see :meth:`Pool.result`."""
+        """The result of a piece of work; see :meth:`Pool.result`."""
         ...
 
     def map(self, work: Callable[[T], Any], items: Iterable[T]) -> Iterator[Any]:
@@ -157,7 +157,7 @@ class Pool:
 
 
 class MakePool(Protocol):
-    """Opens pools; a :class:`Pool` is opened so."""
+    """A function that opens pools, such as :func:`local_pool`."""
 
     def __call__(
         self,
@@ -168,14 +168,14 @@ class MakePool(Protocol):
         patience_s: float,
         needs: Needs,
     ) -> AbstractContextManager[Workers]:
-        """Open one; the arguments are those of :func:`open_pool`."""
+        """Open a pool; the arguments are those of :func:`open_pool`."""
         ...
 
 
 def local_pool(
     workers: int, begin: Callable[..., None] | None, given: tuple[Any, ...], *, patience_s: float, needs: Needs
 ) -> AbstractContextManager[Workers]:
-    """Open a pool of processes on this machine, which find there what they need."""
+    """Open a pool of processes on this machine, where everything in ``needs`` is already present."""
     return Pool(workers, begin, given, patience_s=patience_s)
 
 
@@ -190,21 +190,21 @@ def open_pool(
     patience_s: float = PATIENCE_S,
     needs: Needs = NOTHING,
 ) -> AbstractContextManager[Workers]:
-    """Open a pool: of processes on this machine, or within :func:`pools_from` another one.
+    """Open a pool of processes on this machine, or, within :func:`pools_from`, one that its ``make`` opens.
 
     Args:
         workers: number of processes on this machine.
         begin: called first in each process, with ``given``.
         given: sent to each process once.
         patience_s: longest time for one result, seconds.
-        needs: what the work loads by its name.
+        needs: what the work loads by name.
     """
     return _make.get()(workers, begin, given, patience_s=patience_s, needs=needs)
 
 
 @contextmanager
 def pools_from(make: MakePool) -> Iterator[None]:
-    """Context manager: :func:`open_pool` opens the pools of ``make``."""
+    """Context manager within which :func:`open_pool` opens its pools with ``make``."""
     before = _make.set(make)
     try:
         yield

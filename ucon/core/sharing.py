@@ -16,7 +16,7 @@ V = TypeVar("V")
 
 
 class Shared:
-    """Base of objects that never change (or only remember more): a copy is the object itself."""
+    """Base of objects that never change (or only cache more results): a copy is the object itself."""
 
     __slots__ = ()
 
@@ -31,8 +31,8 @@ class PartlyShared:
     """Base of states whose deep copies share some attributes.
 
     ``_shared`` names attributes that are replaced but never written to; copies share them. ``_flat`` names containers
-    and arrays that are written to, of values that are not; copies copy them one level deep. ``_left_out`` names
-    attributes that a copy makes again when needed; they are None in it. All others are copied deeply.
+    and arrays that are written to but whose values are not; they are copied one level deep. ``_left_out`` names
+    attributes that are None in a copy, which computes them again when needed. All others are copied deeply.
     """
 
     _shared: ClassVar[frozenset[str]] = frozenset()
@@ -55,7 +55,7 @@ class PartlyShared:
         return new
 
     def __getstate__(self) -> dict[str, Any]:
-        """State for pickles, without what is made again."""
+        """State for pickles, without the attributes that are computed again."""
         return {name: None if name in self._left_out else value for name, value in self.__dict__.items()}
 
 

@@ -1,4 +1,4 @@
-"""A lock on a run's folder: one command at a time writes to it."""
+"""A lock on a run's folder, so that only one command at a time writes to it."""
 
 from __future__ import annotations
 

@@ -108,7 +108,7 @@ def check_header(found: Mapping[str, tuple[str, tuple[int, ...]]], wanted: Mappi
     """Check names, shapes and types.
 
     Args:
-        found: type and shape by name, of :func:`header`.
+        found: type and shape by name, as :func:`header` returns them.
         wanted: tensors with the expected names, shapes and types.
         path: of the file, for errors.
 

@@ -1,4 +1,4 @@
-"""Which texts can be displayed on one line: no control characters, nothing that turns or hides its neighbours.
+"""Which texts can be displayed on one line: no control characters, nothing that reverses or hides its neighbours.
 
 ``str.isprintable`` also refuses the characters that join emoji and letters of some scripts, and emoji newer than this
 Python's tables. Joiners are allowed between the characters they join. Between Latin letters, where they would hide a

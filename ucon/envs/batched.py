@@ -1,4 +1,4 @@
-"""Many homes as one TorchRL environment: one tensordict, into whose images the renderer writes."""
+"""Many homes as one TorchRL environment with one tensordict; the renderer writes directly into its images."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ucon.task.actions import Action, encoded_action
 
 #: Largest number of slots.
 MOST_SLOTS: Final = 1024
-#: Options of ``UcON-v0`` whose results are in no tensor.
+#: Options of ``UcON-v0`` whose results are not tensors.
 _NOT_IN_TENSORS: Final = ("detector", "planner", "privileged", "texts", "render_mode")
 _IMAGES: Final = ("rgb", "depth")
 _ENDS: Final = ("done", "terminated", "truncated")
@@ -28,13 +28,13 @@ _CODES: Final = np.stack([encoded_action(action) for action in Action])
 
 
 class BatchedUcONEnv(EnvBase):
-    """N environments of ``UcON-v0`` with a batch size of N: each slot has a home and an episode of its own.
+    """N environments of ``UcON-v0`` as one with batch size N; each slot has its own home and episode.
 
     Observations are those of :class:`ucon.envs.ucon_env.UcONEnv` with a first axis N. ``rgb`` (N, H, W, 3) uint8 and
-    ``depth`` (N, H, W) float32 are new tensors at each step, rendered into and copied nowhere
-    (:func:`ucon.core.memory.keep_freed_memory` saves asking the system for them each time). Beside ``reward`` (N, 1)
-    there are ``success`` and ``spl`` (N, 1) float32, zero before the end of an episode. After ``set_seed(s)`` the k-th
-    episode of slot i is a function of s, i and k.
+    ``depth`` (N, H, W) float32 are new tensors at each step, which the renderer writes into and nothing copies
+    (:func:`ucon.core.memory.keep_freed_memory` avoids a system call for their memory each time). Besides ``reward``
+    (N, 1) there are ``success`` and ``spl`` (N, 1) float32, zero before the end of an episode. After ``set_seed(s)``
+    the k-th episode of slot i is a function of s, i and k.
 
     Example:
         ``Collector(BatchedUcONEnv(32), policy, frames_per_batch=1024, total_frames=100_000)``
@@ -45,13 +45,13 @@ class BatchedUcONEnv(EnvBase):
 
         Args:
             slots: N.
-            episodes: as of ``UcON-v0``.
+            episodes: see ``UcON-v0``.
             seed: draws episodes.
-            options: of ``UcON-v0``, but for those whose results are no tensors (detector, planner, privileged, texts,
-                render_mode).
+            options: options of ``UcON-v0``, except those whose results are not tensors (detector, planner, privileged,
+                texts, render_mode).
 
         Raises:
-            ConfigError: an option has a value that it cannot have.
+            ConfigError: an option has an invalid value, or is one of these.
             EpisodeError: there are no such episodes.
         """
         if type(slots) is not int or not 1 <= slots <= MOST_SLOTS:
@@ -105,7 +105,7 @@ class BatchedUcONEnv(EnvBase):
         """Take an action in every slot, or in those that ``_step`` marks; the others stay as they are.
 
         Raises:
-            ActionError: an action is none; nothing was done.
+            ActionError: an action is invalid; nothing was done.
             EpisodeError: the episode of a slot is over; nothing was done.
         """
         actions, chosen = tensordict["action"].numpy(), self._chosen(tensordict, "_step")
@@ -126,7 +126,7 @@ class BatchedUcONEnv(EnvBase):
         return self._tensors().set("reward", torch.from_numpy(reward))
 
     def _check(self, actions: NDArray[np.int64], chosen: list[int]) -> None:
-        """Refuse what a slot would refuse, before any of them has moved."""
+        """Refuse what any slot would refuse, before any of them has moved."""
         if (wrong := (actions < 0) | (actions >= len(Action))).any():
             slot, last = int(wrong.argmax()), len(Action) - 1
             raise ActionError(f"action={actions[slot]} of slot {slot}: expected a whole number from 0 to {last}")
@@ -135,12 +135,12 @@ class BatchedUcONEnv(EnvBase):
             raise EpisodeError(f"the episode of slot {slot} is over: reset that slot alone with _reset")
 
     def _chosen(self, tensordict: TensorDictBase | None, key: str) -> list[int]:
-        """Slots that an entry (N,) or (N, 1) bool marks, ascending; all where there is none."""
+        """Slots that an entry (N,) or (N, 1) bool marks, ascending; all slots without such an entry."""
         marks = None if tensordict is None else tensordict.get(key, None)
         return self._all if marks is None else np.flatnonzero(marks.numpy()).tolist()
 
     def _new_images(self, chosen: list[int]) -> None:
-        """Have the slots render into new tensors, which begin with the present images of those not chosen."""
+        """Make the chosen slots render into new tensors; the other slots' current images are copied into them."""
         if self._image_shape is None:
             return
         before, shape = self._images, (*self.batch_size, *self._image_shape)

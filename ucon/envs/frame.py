@@ -34,13 +34,13 @@ class StartFrame(Shared):
         return self.place(pose.i, pose.j, 90 * pose.heading, pose.pitch_deg)
 
     def place(self, i: int, j: int, yaw_deg: float, pitch_deg: int) -> NDArray[np.float32]:
-        """The pose at a node in the start frame, as :meth:`pose`.
+        """The pose at a world node in the start frame, in the form of :meth:`pose`.
 
         Args:
-            i: of the world node.
-            j: of the world node.
-            yaw_deg: in the world frame.
-            pitch_deg: up positive.
+            i: first index of the world node.
+            j: second index of the world node.
+            yaw_deg: yaw in the world frame.
+            pitch_deg: pitch, up positive.
         """
         dx, dy = (i - self.start.i) * GRID_M, (j - self.start.j) * GRID_M
         c, s = HEADING_COS[self.start.heading], HEADING_SIN[self.start.heading]
@@ -48,11 +48,11 @@ class StartFrame(Shared):
         return np.array([c * dx + s * dy, c * dy - s * dx, yaw, np.radians(pitch_deg)], np.float32)
 
     def point(self, xyz: NDArray[np.float64], grid: NavGrid) -> NDArray[np.float64]:
-        """A point of the world in the start frame.
+        """A world point in the start frame.
 
         Args:
             xyz: (3,) metres in the world frame.
-            grid: of the home.
+            grid: grid of the home.
 
         Returns:
             (3,) metres.
@@ -75,7 +75,7 @@ class StartFrame(Shared):
         return self.start.i + c * ahead - s * left, self.start.j + s * ahead + c * left
 
     def grid(self, free: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], tuple[int, int]]:
-        """A grid of the world, turned into the start frame.
+        """A grid over the world, turned into the start frame.
 
         Args:
             free: (nx, ny) bool by world node.

@@ -1,7 +1,7 @@
-"""``UcONImageGoal-v0``: go to the pose whose image is given. ZSON is trained on it.
+"""``UcONImageGoal-v0``: go to the pose at which a given image was taken. ZSON is trained on it.
 
-Images and names share CLIP's space, so a policy that learned to reach images can be given names without ever having
-been trained on one (Majumdar et al., NeurIPS 2022, section 3).
+Images and names share CLIP's embedding space, so a policy that has learned to reach images can be given names, although
+it was never trained on names (Majumdar et al., NeurIPS 2022, section 3).
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ from ucon.task.search import Pose, Search
 
 @dataclass(frozen=True)
 class ImageGoalReward:
-    """The reward of ZSON: for reaching the goal, for facing as in the image, and for progress towards both."""
+    """The reward of ZSON: for reaching the goal, for the heading of the image, and for progress towards both."""
 
     success: float = 5.0
     """For Done near the goal."""
     facing: float = 5.0
-    """Added to a success with the heading of the image."""
+    """Added if Done succeeds with the heading of the image."""
     progress: float = 1.0
     """For every metre nearer to the goal."""
     turned: float = 1.0
-    """For every radian towards the image's heading, near the goal."""
+    """For every radian turned towards the image's heading, near the goal."""
     step: float = -0.01
     """For every step."""
 
@@ -45,9 +45,10 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
     """Reach the pose that an image shows.
 
     ### Description
-    Homes, starts, observations and actions are those of ``UcON-v0`` with images. ``info["goal_image"]``
-    at reset is the camera's image at the goal: a reachable node at least ``least_m`` away, and a heading, drawn by the
-    episode's id. The episode's target and habits have no meaning here.
+    Homes, starts, observations and actions are those of ``UcON-v0`` with images. ``info["goal_image"]`` is the camera's
+    image at the goal, given at reset and with ``texts=False`` also at every step. The goal is a reachable node at least
+    ``least_m`` away and a heading, both drawn from the episode's id. The episode's target and habits have no meaning
+    here.
 
     ### Action space, observation space
     Those of ``UcON-v0``.
@@ -64,7 +65,7 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
     _shared: ClassVar[frozenset[str]] = frozenset({"spec", "metadata", "_reward", "_goal", "_field", "_shown"})
 
     options_of = UcONEnv
-    """The environment whose options it accepts besides its own."""
+    """The environment whose options this one accepts besides its own."""
 
     def __init__(
         self,
@@ -83,10 +84,10 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
             episodes: see ``UcON-v0``.
             reward: weights of the reward.
             near_m: longest path to the goal at which Done succeeds, metres.
-            least_m: least distance of the goal, metres; ignored where the home is too small.
+            least_m: least path length to the goal, metres; ignored where the home is too small.
             texts: see ``UcON-v0``.
-            observe: ``pixels``; goals are images.
-            **options: of ``UcON-v0``.
+            observe: ``pixels``, since goals are images.
+            **options: options of ``UcON-v0``.
 
         Raises:
             ConfigError: observations without images, distances below 0, or rules without a grid.
@@ -165,7 +166,7 @@ class UcONImageGoalEnv(PartlyShared, gym.Env[Obs, int]):
         return obs, reward, done, truncated, info
 
     def _drawn(self) -> Pose:
-        """A reachable node at least ``least_m`` away (any, where there is none), and a heading."""
+        """A random goal: a reachable node at least ``least_m`` away (any, if there is none), and a heading."""
         start = self.env.search.pose
         away = distances(self.env.search.world.free, [(start.i, start.j)])
         far = np.argwhere(away >= self._least_m / metres(1))

@@ -41,7 +41,7 @@ class Knowledge(PartlyShared):
     base: KnowledgeBase
     """All habits of the episode's household."""
     rows: NDArray[np.int32]
-    """(n,) rows of the dataset that the agent is given, in order; higher ones are of ``edited``."""
+    """(n,) rows of the habits that the agent is given, in order; rows past the dataset's are those of ``edited``."""
     target_embedding: NDArray[np.float16]
     """(D,) embedding of the target's name."""
     retriever: Retriever
@@ -49,9 +49,9 @@ class Knowledge(PartlyShared):
     target: str
     """Category of the target."""
     reranking: ContextHabits | None = None
-    """At level ``context``: the list that is ranked again as things are seen; ``rows`` is its first state."""
+    """At level ``context``: the list that is ranked again as things are seen; ``rows`` is its initial state."""
     edited: tuple[str, ...] = ()
-    """Sentences that are told in the place of others, by row after those of the dataset."""
+    """Sentences given in place of others; their rows follow those of the dataset."""
 
     @cached_property
     def texts(self) -> tuple[str, ...]:
@@ -63,7 +63,7 @@ class Knowledge(PartlyShared):
         """How well the retriever ranks the target's habits in this knowledge base.
 
         Returns:
-            ``recall_at_10``, ``recall_at_20`` and ``mrr`` (reciprocal rank of the first one), each in [0, 1].
+            ``recall_at_10``, ``recall_at_20`` and ``mrr`` (reciprocal rank of the first such habit), each in [0, 1].
         """
         ranking, relevant = self.retriever.rank(self.target, self.base), self.base.rows_about(self.target)
         found = {f"recall_at_{k}": recall_at(ranking, relevant, k) for k in (10, 20)}
@@ -89,20 +89,20 @@ class HabitSource(Shared):
         """Choose dataset and retriever; embeddings are computed at first use.
 
         Args:
-            dataset: the habits by which the episodes were made; the habit book by default.
+            dataset: the habits with which the episodes were made; the habit book by default.
             retriever: ranks habits at levels ``retrieval`` and ``context``; dense by default.
             mode: knowledge base of all entries of a category (``category``) or of one (``task``).
             top_p: number of habits given at levels ``retrieval`` and ``context``.
             encoder: makes the embeddings of observations; MiniLM by default.
             context: how strongly level ``context`` follows what is seen.
             falsehoods: kind of false sentences among the habits, see :class:`Falsehoods`; None: none.
-            false_share: share of them.
-            edits: file of sentences that are not told, or others in their place (:class:`Edits`); None: none.
-            tell_context: tell the context of episodes that state one, to the agent and to the retriever.
+            false_share: share of false sentences.
+            edits: file of sentences to leave out or replace (:class:`Edits`); None: none.
+            tell_context: give the context of episodes that state one to the agent and to the retriever.
 
         Raises:
-            ConfigError: an unknown mode or kind of falsehoods, ``top_p`` below 1, or a share that is none or of
-                nothing.
+            ConfigError: an unknown mode or kind of falsehoods, ``top_p`` below 1, a share outside [0, 1], or a share
+                without a kind of falsehoods.
             DataError: the file of edits is missing or damaged.
         """
         if mode not in MODES:
@@ -126,7 +126,7 @@ class HabitSource(Shared):
 
     @property
     def _sentences(self) -> HabitDataset:
-        """The dataset whose rows are told: that of the episodes, and orders where they are among the habits."""
+        """The dataset whose rows are given: that of the episodes, with orders added if these are the falsehoods."""
         ordered = self._falsehoods is not None and self._falsehoods.kind == ORDERS
         return with_orders(self.dataset) if ordered else self.dataset
 
@@ -141,7 +141,7 @@ class HabitSource(Shared):
         return self._retriever or DenseRetriever(self.encoder)
 
     def reranking(self, told: Context | None) -> ContextRetriever:
-        """The retriever that ranks again at level ``context``; one for all episodes that tell no context."""
+        """The retriever that re-ranks at level ``context``; one is shared by all episodes without a given context."""
         if told is not None:
             return ContextRetriever(ToldRetriever(self.retriever, told), self._context)
         return self._reranking
@@ -152,7 +152,7 @@ class HabitSource(Shared):
 
     @property
     def table(self) -> NDArray[np.float16]:
-        """(N, D) float16 embeddings of all N habits: those of the dataset, orders, sentences of edits. Read-only."""
+        """(N, D) float16 embeddings of all N sentences: of the dataset, of orders and of edits. Read-only."""
         return dataset_vectors(self._sentences, self.encoder) if self._edits is None else self._table_of_edits
 
     @cached_property
@@ -169,21 +169,21 @@ class HabitSource(Shared):
         return self.encoder.dim
 
     def prepare(self, progress: Progress | None = None, level: str = "none") -> None:
-        """Compute the dataset's embeddings, once for all processes: they are kept on disk. The book's are shipped.
+        """Compute the dataset's embeddings and keep them on disk for all processes; the book's are shipped.
 
         Args:
-            progress: told how far the work is.
-            level: the retriever is prepared only at levels that rank habits.
+            progress: called to report progress.
+            level: habit level; the retriever is prepared only for levels that rank habits.
         """
         dataset_vectors(self._sentences, self.encoder, progress)
         if level in RANKED_LEVELS and isinstance(self.retriever, PreparedRetriever):
             self.retriever.prepare(self._sentences, progress)
 
     def weights(self, level: str) -> tuple[str, ...]:
-        """Names, with the start of their checksums, of weights and edits that decide which habits are given.
+        """Names of the weights and edits that decide which habits are given, with the start of their checksums.
 
         Args:
-            level: the retriever counts only at levels that rank habits.
+            level: habit level; the retriever counts only at levels that rank habits.
         """
         retriever = self.retriever if level in RANKED_LEVELS else None
         asked = (retriever.name,) if isinstance(retriever, PreparedRetriever) else ()
@@ -191,13 +191,13 @@ class HabitSource(Shared):
         return (self.encoder.name, *asked, *edited)
 
     def check_edits(self, episodes: Iterable[Episode]) -> None:
-        """Refuse edits that are of none of some episodes: the ids are misspelt, or of another set.
+        """Refuse edits that apply to none of the episodes: their ids are misspelt, or from another set.
 
         Args:
-            episodes: those that are going to be played.
+            episodes: the episodes that will be played.
 
         Raises:
-            ConfigError: none of them is edited.
+            ConfigError: none of the episodes is edited.
         """
         if self._edits is not None and self._edits.episodes.isdisjoint(episode.id for episode in episodes):
             some = brief(min(self._edits.episodes))
@@ -207,7 +207,7 @@ class HabitSource(Shared):
 
     @staticmethod
     def check_level(level: str) -> str:
-        """The level itself.
+        """Check that a habit level exists, and return it.
 
         Raises:
             ConfigError: there is no such habit level.
@@ -224,7 +224,7 @@ class HabitSource(Shared):
             house: its home.
 
         Returns:
-            (relation, anchor category, probability); the probabilities sum to 1.
+            Tuples (relation, anchor category, probability); the probabilities sum to 1.
         """
         from ucon.task.making.living import placements_of
 
@@ -236,7 +236,7 @@ class HabitSource(Shared):
         return tuple((relation, anchor, n / len(found)) for (relation, anchor), n in sorted(counts.items()))
 
     def told(self, episode: Episode) -> Context | None:
-        """The context that is told in an episode; None where it states none, or none is told."""
+        """The context that is given in an episode; None if it states none, or if contexts are not given."""
         return episode.context if self._tells else None
 
     def knowledge(self, episode: Episode, level: str) -> Knowledge:
@@ -247,9 +247,9 @@ class HabitSource(Shared):
             level: a habit level.
 
         Raises:
-            EpisodeError: the episode was made with another dataset, its context names a user whom it does not have, or
-                an edit is of a sentence that it is not told.
-            ConfigError: edits at level ``context``, or falsehoods of a dataset without labels.
+            EpisodeError: the episode was made with another dataset, its context names a user who is not in the
+                household, or an edit is of a sentence that the agent is not given.
+            ConfigError: edits at level ``context``, or falsehoods with a dataset without labels.
         """
         dataset = self.dataset
         if episode.habits_hash != dataset.sha256:
@@ -282,7 +282,7 @@ class HabitSource(Shared):
         )
 
     def _edited(self, episode: Episode, level: str, rows: NDArray[np.int32]) -> NDArray[np.int32]:
-        """The rows that are told at a level once the episode is edited; at level ``none`` there is nothing to edit."""
+        """The rows that are given at a level after the edits; at level ``none`` there is nothing to edit."""
         if self._edits is None or level == "none":
             return rows
         if level == "context":
@@ -295,12 +295,12 @@ def check_user(context: Context, base: KnowledgeBase, where: str) -> None:
     """Refuse a context whose user is not among the people on whom placements of the household depend.
 
     Args:
-        context: of an episode.
+        context: context of an episode.
         base: all habits of the household.
         where: names the episode in the error.
 
     Raises:
-        EpisodeError: naming the user, and those who are known.
+        EpisodeError: names the user, and the users who are known.
     """
     if context.user is None:
         return

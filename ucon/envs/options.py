@@ -18,7 +18,7 @@ def check_choice(option: str, value: Any, choices: tuple[Any, ...]) -> None:
     """Check that an option has one of its values.
 
     Raises:
-        ConfigError: it has not; ``option`` names it.
+        ConfigError: the value is not among ``choices``; ``option`` names the option.
     """
     if value not in choices:
         raise ConfigError(f"{option}={value!r}: expected one of {', '.join(map(str, choices))}")
@@ -28,7 +28,7 @@ def check_render_mode(value: Any, modes: tuple[str, ...] | list[str]) -> None:
     """Check a ``render_mode``; None is always allowed.
 
     Raises:
-        ConfigError: it is none of ``modes``. For ``human`` the message says what to do instead.
+        ConfigError: the value is not in ``modes``. For ``human`` the message says what to do instead.
     """
     if value == "human":
         raise ConfigError(
@@ -45,10 +45,10 @@ def make_renderer(
 
     Args:
         name: ``raster``, or ``tiny`` (PyBullet's).
-        width_px: of its images.
-        height_px: of its images.
+        width_px: width of its images.
+        height_px: height of its images.
         fov_deg: horizontal angle of view.
-        counting_fov_deg: of the view in which the rules count pixels.
+        counting_fov_deg: angle of the view in which the rules count pixels.
 
     Raises:
         ConfigError: an unknown name.
@@ -56,20 +56,20 @@ def make_renderer(
     check_choice("renderer", name, ("raster", "tiny"))
     if name == "raster":
         return RasterRenderer(width_px, height_px, fov_deg, counting_fov_deg=counting_fov_deg)
-    from ucon.sim.render.tiny import TinyRenderer  # PyBullet is needed for it, and for nothing else here
+    from ucon.sim.render.tiny import TinyRenderer  # the only renderer that needs PyBullet
 
     return TinyRenderer(width_px, height_px, fov_deg, counting_fov_deg=counting_fov_deg)
 
 
 def make_detector(option: bool | Detector | None) -> Detector | None:
-    """The detector of an option.
+    """The detector that an option stands for.
 
     Args:
         option: False or None for none, True for ``gt``, or a detector. A detector follows the episode of one
-            environment: do not give it to two.
+            environment: do not share it between two.
 
     Raises:
-        ConfigError: the value is no detector.
+        ConfigError: the value is not a detector.
     """
     if option is None or isinstance(option, bool):
         return GtDetector() if option else None
@@ -86,7 +86,7 @@ def checked_action(action: Any, n: int) -> int:
         n: number of actions.
 
     Raises:
-        ActionError: not a whole number (1.0 and True are none), or out of range.
+        ActionError: not an integer (1.0 and True are refused), or out of range.
     """
     try:
         number = index(action)
@@ -98,7 +98,7 @@ def checked_action(action: Any, n: int) -> int:
 
 
 def with_texts(texts: bool | None) -> bool:
-    """Whether infos hold texts: the option where it is given, else True except in workers of ``AsyncVectorEnv``.
+    """Whether infos hold texts: as the option says; None: yes, except in workers of ``AsyncVectorEnv``.
 
     TorchRL's ``GymEnv(name, num_envs=2)`` makes such workers, and converts everything in their infos to tensors.
     """
@@ -106,10 +106,10 @@ def with_texts(texts: bool | None) -> bool:
 
 
 def returned_info(info: dict[str, Any], *, texts: bool) -> dict[str, Any]:
-    """An info as an environment returns it.
+    """An info in the form in which an environment returns it.
 
     Args:
-        info: everything.
+        info: the full info.
         texts: False keeps numbers and arrays only, and adds ``is_success``. TorchRL makes tensors of the infos of
             vector environments and needs the same keys at all steps.
     """

@@ -1,4 +1,4 @@
-"""Own homes to play in: the episodes and habits of a home file, made once and kept, and the same from Python."""
+"""Makes episodes and habits from a home file, once, and keeps them; also makes single searches from Python."""
 
 from __future__ import annotations
 
@@ -38,23 +38,23 @@ from ucon.task.spoken import target_place
 EXAMPLE: Final = Path(ucon.__file__).parent / "task" / "own_home" / "data" / "example.yaml"
 #: Endings of home files.
 ENDINGS: Final = (".yaml", ".yml")
-#: What decides the episodes of a home beside its file: code, and the lists of what data there is.
+#: Packages whose code and data manifests decide the episodes of a home, besides its file.
 _DECIDES: Final = ("core", "habits", "language", "objects", "perception", "readers", "scenes", "sim", "task")
 
 
 class OwnSet(NamedTuple):
-    """The episodes of a home file, and the habits they belong to."""
+    """The episodes of a home file, and the habits that they use."""
 
     name: str
     """Name of the home."""
     episodes: tuple[Episode, ...]
     dataset: HabitDataset
     key: str
-    """Hash of all that decides the episodes; names the files in which they are kept."""
+    """Hash of everything that decides the episodes; names the files in which they are kept."""
 
 
 def is_home_file(name: object) -> bool:
-    """Whether ``episodes=`` names a home, by its file or as one that is shipped, rather than a set."""
+    """Whether ``episodes=`` names a home file or a shipped home, rather than a set."""
     return isinstance(name, str | Path) and (Path(name).suffix.lower() in ENDINGS or is_shipped(name))
 
 
@@ -62,12 +62,12 @@ def episodes_of(name: str | Path, task: str = PAPER.name, *, context: bool = Fal
     """The episodes of a set, a file of episodes, or a home.
 
     Args:
-        name: of the set, file or shipped home.
+        name: name of the set, file or shipped home.
         task: rule set.
-        context: the version of a set whose episodes state their context.
+        context: load the version of a set whose episodes state their context.
 
     Raises:
-        UconError: no such set, or a fault of the file.
+        UconError: no such set, or a fault in the file.
     """
     if not is_home_file(name):
         return load_episodes(name, task, context=context)
@@ -79,14 +79,14 @@ def episodes_of(name: str | Path, task: str = PAPER.name, *, context: bool = Fal
 def own_set(path: Path, task: str = PAPER.name) -> OwnSet:
     """Episodes and habits of a home file; made once, then kept in the user's cache for this version of the code.
 
-    They are looked for in a pack, too. A case is the one search that is shown of a shipped home.
+    A pack is searched for them too. A case is a single search of a shipped home.
 
     Args:
         path: the file, or the name of a shipped home or case.
         task: rule set under which the episodes are solvable.
 
     Raises:
-        DataError: faults of the file, each with its line, or PyBullet, which places things, is missing.
+        DataError: faults in the file, each with its line, or PyBullet, which places things, is missing.
         SceneError: the home cannot be built.
     """
     wish = read_home(home_path(path))
@@ -100,7 +100,7 @@ def own_set(path: Path, task: str = PAPER.name) -> OwnSet:
 
 
 class _Wish:
-    """A home by its content, so that the same is made once a process."""
+    """A home compared by its content, so that the same home is made once per process."""
 
     def __init__(self, home: OwnHome, key: str) -> None:
         self.home, self.key = home, key
@@ -131,7 +131,7 @@ def keep_set(made: OwnSet, folder: Path) -> str:
     """Write episodes and habits of a home file, for :func:`own_set` to find.
 
     Args:
-        made: what was made of the file.
+        made: what was made from the file.
         folder: the user's cache, or a pack.
 
     Returns:
@@ -148,7 +148,7 @@ def _files(folder: Path, key: str) -> tuple[Path, Path]:
 
 
 def say_made(path: Path, made: OwnSet) -> None:
-    """Say in one line what was made of a home file, and warn of furniture that found no place; once a process.
+    """Print once per process what was made from a home file, and warnings about furniture that found no place.
 
     Args:
         path: the file.
@@ -162,7 +162,7 @@ def say_made(path: Path, made: OwnSet) -> None:
 
 
 def read_places(target: str, habits: Sequence[str]) -> tuple[Sequence[str], NDArray[np.float64]]:
-    """Where a thing is kept by its habits, as :data:`ucon.task.making.own_household.ReadPlaces`."""
+    """Where a thing is kept according to its habits; a :data:`ucon.task.making.own_household.ReadPlaces`."""
     from ucon.perception.belief.from_habits import ReadHabits
 
     found = ReadHabits()({"target": target, "habits": tuple(habits), "habit_level": "gt"})
@@ -170,7 +170,7 @@ def read_places(target: str, habits: Sequence[str]) -> tuple[Sequence[str], NDAr
 
 
 def _content(home: OwnHome, task: str) -> str:
-    """Hash of all that decides the episodes of a home."""
+    """Hash of everything that decides the episodes of a home."""
     asked = [
         [(one.target, [asdict(place) for place in one.places], [habit.text for habit in one.habits]) for one in group]
         for group in (home.requests, home.things)
@@ -194,8 +194,8 @@ class OwnEpisode:
     """A search that can be played.
 
     Attributes:
-        episode: as data.
-        dataset: the habits that it belongs to.
+        episode: the episode.
+        dataset: the habits that it uses.
         place: where the thing is kept. Privileged.
     """
 
@@ -205,14 +205,14 @@ class OwnEpisode:
 
     @cached_property
     def source(self) -> HabitSource:
-        """Gives the episode its habits."""
+        """Source of the episode's habits."""
         return HabitSource(self.dataset)
 
     def env(self, **options: Any) -> Any:
         """The environment ``UcON-v0`` of this search.
 
         Args:
-            **options: of :class:`ucon.envs.ucon_env.UcONEnv`, such as ``habit_level="none"``.
+            **options: options of :class:`ucon.envs.ucon_env.UcONEnv`, such as ``habit_level="none"``.
         """
         import gymnasium as gym
 
@@ -222,7 +222,7 @@ class OwnEpisode:
         """Write the search as files, for ``eval.py episodes=FILE habits=folder habits.path=FILE``.
 
         Args:
-            folder: is made if missing.
+            folder: destination; made if missing.
 
         Returns:
             The files of the episode and of the habits.
@@ -242,19 +242,19 @@ def make_episode(
     seed: int = 0,
     task: str = PAPER.name,
 ) -> OwnEpisode:
-    """Make one search in a home, by habits of one's own.
+    """Make one search in a home, with your own habits.
 
     Args:
         home: a home file; the same content as a dict; or the name of a home (``robot_flat``, ``Rs_int``,
             ``procedural:flat:3``).
-        habits: sentences; they replace those of the file.
-        target: what is searched, such as ``mug``; the first request of the file by default.
+        habits: sentences, which replace those of the file.
+        target: what to search for, such as ``mug``; by default the first request of the file.
         place: where the target is kept, such as ``in the top cabinet``; by default where the habits say.
-        seed: of where the search starts and of where everything else is.
-        task: rule set under which it is solvable.
+        seed: draws where the search starts and where everything else is.
+        task: rule set under which the search must be solvable.
 
     Raises:
-        UconError: with every fault of what was given, and the nearest that is possible.
+        UconError: lists every fault in the arguments and the file, with the nearest valid value.
     """
     instead: dict[str, Any] = {"starts": 1}
     if habits:
@@ -272,7 +272,7 @@ def make_episode(
 
 
 def _source(home: str | Path | Mapping[str, Any]) -> Path | Mapping[str, Any]:
-    """The home as it is read: a file, or a dict; the name of a home becomes a dict."""
+    """The home in a form that can be read: a file or a dict; the name of a home becomes a dict."""
     if isinstance(home, Mapping):
         return home
     if is_home_file(home) or isinstance(home, Path):

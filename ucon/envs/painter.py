@@ -19,7 +19,7 @@ FRAME_PX: Final = 384
 
 @dataclass(frozen=True)
 class Moment(Shared):
-    """The state that a frame shows; kept at each step and drawn on demand."""
+    """The state that a frame shows; stored at each step and drawn on demand."""
 
     pose: Pose
     """The agent's pose."""
@@ -35,14 +35,14 @@ class Moment(Shared):
 
 
 class Painter:
-    """Draws the moments of one episode. The home is loaded once; containers are opened as the episode goes on."""
+    """Draws the moments of one episode. The home is loaded once; containers are opened as they were in the episode."""
 
     def __init__(self, search: Search, ledger: Ledger) -> None:
         """Load the home.
 
         Args:
             search: the episode's search.
-            ledger: its path.
+            ledger: has the path so far.
         """
         self._renderer = RasterRenderer(FRAME_PX, FRAME_PX, search.rules.fov_deg)
         self._search, self._ledger = search, ledger

@@ -1,4 +1,4 @@
-"""Videos by Gymnasium's ``RecordVideo`` with all frames of a step."""
+"""Gymnasium's ``RecordVideo`` with all frames of a step."""
 
 from __future__ import annotations
 

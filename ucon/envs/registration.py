@@ -8,7 +8,7 @@ import gymnasium as gym
 def register_envs() -> None:
     """Register the environments; calling it again does nothing.
 
-    An episode ends by itself after 300 steps, so no time limit is wrapped around it.
+    The environments end their episodes after 300 steps themselves, so no time limit is wrapped around them.
     """
     if "UcON-v0" not in gym.registry:
         gym.register(id="UcON-v0", entry_point="ucon.envs.ucon_env:UcONEnv")

@@ -1,4 +1,4 @@
-"""``UcONResident-v0``: a robot that lives in a home and is asked for things, for days."""
+"""``UcONResident-v0``: a robot that lives in a home for days and is asked for things."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ from ucon.task.actions import Action
 from ucon.task.episode import Episode, Start
 from ucon.task.rules import PAPER, task_rules
 
-#: Rows of habits in observations: two entries of each of 40 possessions, and those that are told later.
+#: Rows of habits in observations: two entries for each of 40 possessions, and habits given later.
 MAX_HABITS = 2048
-#: What a frame's info says of a request, and not on a patrol.
+#: Keys of info about the request, which are left out on a patrol.
 _OF_REQUESTS = ("habits", "habit_rows", "context", "told", "reranking", "privileged")
 
 
@@ -39,35 +39,36 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
     """Find what the people of a home ask for, day after day.
 
     ### Description
-    A robot lives in a home. Four times a day somebody asks it for a thing, which it has 300 steps to find. In between
-    people use their things and put them elsewhere, by their habits, by context, sometimes by mistake; on some day a
-    part of the habits may change. The robot starts at its dock in the morning and otherwise where it stopped. It sees
-    nothing between requests. One episode is one life.
+    A robot lives in a home. Four times a day somebody asks it for a thing, and it has 300 steps to find it. In between,
+    people use their things and put them elsewhere, following their habits and the context, sometimes by mistake; on one
+    day a part of the habits may change. The robot starts at its dock in the morning and otherwise where it stopped. It
+    sees nothing between requests. One episode is one life.
 
     ### Action space
-    As ``UcON-v0``. Done ends the request.
+    That of ``UcON-v0``. Done ends the request.
 
     ### Observation space
-    As ``UcON-v0``, with ``pose`` relative to the dock for the whole life, ``step`` counted from 0 at every request, and
+    That of ``UcON-v0``, with ``pose`` relative to the dock for the whole life, ``step`` counted from 0 at every
+    request, and these entries besides:
     | key | space | meaning |
     |---|---|---|
     | clock | int64 (3,) | day from 0, weekday (0: Monday), slot (0: morning, 1: midday, 2: evening) |
     | request | int64 (1,) | number of the request, from 0 |
 
     ### Info
-    As ``UcON-v0``. At the first step of every request it is that of a reset, and ``new_request`` is True; there
-    ``clock`` is as in the observation, and ``habit_days`` has the day on which each habit was told. Once a request has
-    ended, ``request_record`` has its metrics and, as ``life``, :class:`ucon.lives.request_record.LifeFacts`, and
+    That of ``UcON-v0``. At the start of every request it is the info of a reset, with ``new_request`` True, ``clock``
+    as in the observation, and ``habit_days``, the day on which each habit was given. Once a request has ended,
+    ``request_record`` has its metrics and, as ``life``, :class:`ucon.lives.request_record.LifeFacts`, and
     ``is_success`` says whether the thing was found.
 
     ### Patrol
-    With ``patrol`` steps a day the robot may first look around as it likes, before the first request of each day and
-    in that request's slot, from its dock. Nothing is asked for meanwhile (``target`` is "" and zeros, no habits are
-    told), ``info["patrol"]`` has the steps that are left, and nothing is rewarded. Done ends it earlier; the request
-    begins where the robot stands then.
+    With ``patrol`` above 0 the robot may look around for that many steps before the first request of each day, starting
+    at its dock; the time is the slot of that request. Meanwhile nothing is asked for (``target`` is "" in info and
+    zeros in observations, no habits are given), ``info["patrol"]`` has the number of steps left, and rewards are 0.
+    Done ends the patrol earlier. The request begins where the robot then stands.
 
     ### Rewards
-    Those of ``UcON-v0``, request by request.
+    Those of ``UcON-v0`` for each request.
 
     ### Termination
     The life ends after its last request.
@@ -77,7 +78,7 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
     _shared: ClassVar[frozenset[str]] = frozenset({"lives", "life", "_asking", "spec", "metadata"})
 
     options_of = UcONEnv
-    """The environment whose options it accepts besides its own."""
+    """The environment whose options this one accepts besides its own."""
 
     def __init__(
         self,
@@ -95,13 +96,13 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
 
         Args:
             lives: name of a set, a file, or lives.
-            told: whether habits that change are told on the day of the change, or never.
-            stale: whether those that they replace are still told from then on.
+            told: whether changed habits are given from the day of the change on, or never.
+            stale: whether the habits that they replace are still given from then on.
             patrol: steps a day to look around before the first request.
             source: gives the habits; by default the habit book with its second part.
             max_habits: rows of habits in observations.
             texts: whether info holds texts; None: yes except in worker processes.
-            **options: of ``UcON-v0``.
+            **options: options of ``UcON-v0``.
 
         Raises:
             ConfigError: an option has an unknown value.
@@ -162,7 +163,7 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
 
         Args:
             seed: draws the life, unless one is given.
-            options: ``life``, a Life, an id or an index; ``habit_level``, the level of this life alone.
+            options: ``life``, a Life, an id or an index; ``habit_level``, the level for this life only.
 
         Returns:
             Observation and info; see the class.
@@ -171,7 +172,7 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
             EpisodeError: no such life, or it does not fit its home or the habits in use.
         """
         super().reset(seed=seed)
-        self._asking = None  # a reset that fails leaves nothing to go on with
+        self._asking = None  # after a failed reset nothing can be continued
         self.life = self._choose(options or {})
         check_life_home(self.life, load_house(self.life.scene))
         self._asking = Asking(self.life, self.source.dataset, told=self._told, stale=self._stale)
@@ -182,7 +183,7 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
         return observation, returned_info(info, texts=self._texts)
 
     def step(self, action: int) -> tuple[Obs, SupportsFloat, bool, bool, dict[str, Any]]:
-        """Carry out one action; where it ends a request, the next one begins.
+        """Carry out one action; if it ends a request, the next one begins.
 
         Args:
             action: 0 to 6, see :class:`ucon.task.actions.Action`.
@@ -216,11 +217,11 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
         return observation, reward, over, False, returned_info(info | ended, texts=self._texts)
 
     def action_masks(self) -> NDArray[np.bool_]:
-        """As ``UcON-v0``: all seven."""
+        """(7,) bool, all True; see ``UcON-v0``."""
         return self.search_env.action_masks()
 
     def render(self) -> NDArray[np.uint8] | None:
-        """The current frame, as ``UcON-v0`` draws it."""
+        """The current frame; see ``UcON-v0``."""
         return self.search_env.render()
 
     def close(self) -> None:
@@ -242,7 +243,7 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
         return observation, 0.0, False, False, returned_info(info, texts=self._texts)
 
     def _begin(self, at: Start) -> tuple[Obs, dict[str, Any]]:
-        """Begin the current request, or before the first one of a day the patrol, with the robot at a node."""
+        """Begin the current request, or the patrol before the first request of a day, with the robot at a node."""
         if not (self._patrol and self._is_first):
             return self._ask(at)
         self._left = self._patrol
@@ -251,7 +252,7 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
         return self._nothing_asked(observation, info)
 
     def _arrive(self, at: Start) -> tuple[Obs, dict[str, Any]]:
-        """Put the robot at a node, or beside it, in the home as it is at the current request."""
+        """Put the robot at a node, or near it if that is blocked, in the home as it is at the current request."""
         assert self._asking is not None
         number, asking = self._number, self._asking
         episode = asking.episode(number, asking.standing(number, at))
@@ -312,7 +313,7 @@ class UcONResidentEnv(PartlyShared, gym.Env[Obs, int]):
         return observation | {"clock": clock, "request": np.array([number])}
 
     def _choose(self, options: dict[str, Any]) -> Life:
-        """The life of ``options``, else one drawn by the seed."""
+        """The life of ``options``, else one drawn from the seed."""
         wanted = options.get("life")
         if wanted is None:
             return self.lives[int(self.np_random.integers(len(self.lives)))]

@@ -1,4 +1,4 @@
-"""Differences of an environment under ``task=real_robot``."""
+"""What is different in an environment under ``task=real_robot``."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ def rigged_rules(task: str, rig: RobotRig | None, least_pixels: int | None = Non
 
     Args:
         task: name of the rule set.
-        rig: as given; None: the default, where the rules have a robot.
-        least_pixels: that Open and Done ask for; None: the rules' own.
+        rig: as given; None: the default, if the rules have a robot.
+        least_pixels: least pixels for Open and Done; None: the rules' own.
 
     Returns:
         The rig is None under rules without a robot.
 
     Raises:
-        ConfigError: an unknown task, or a rig where there is no robot.
+        ConfigError: an unknown task, or a rig under rules without a robot.
     """
     rules = task_rules(task, least_pixels)
     if not rules.continuous:
@@ -44,11 +44,11 @@ def rigged_rules(task: str, rig: RobotRig | None, least_pixels: int | None = Non
 
 
 def checked_planner(planner: str | None, rules: TaskRules) -> Literal["true", "observed"]:
-    """The value of ``planner``.
+    """Check the value of ``planner`` and fill in its default.
 
     Args:
-        planner: as given; None: ``true`` where there is a grid to give.
-        rules: of the task.
+        planner: as given; None: ``true`` if the rules have a grid.
+        rules: rules of the task.
 
     Raises:
         ConfigError: ``true`` under rules without a grid.
@@ -62,10 +62,10 @@ def checked_planner(planner: str | None, rules: TaskRules) -> Literal["true", "o
 
 
 def read_depth(search: RobotSearch, depth: NDArray[np.float32], fov_deg: float) -> None:
-    """Turn true depth into what the robot's camera reads at this step.
+    """Turn true depth into the reading of the robot's camera at this step.
 
     Args:
-        search: of the robot.
+        search: search of the robot.
         depth: (H, W) metres, overwritten; 0 where there is no reading.
         fov_deg: horizontal angle of view.
     """
@@ -74,5 +74,5 @@ def read_depth(search: RobotSearch, depth: NDArray[np.float32], fov_deg: float) 
 
 
 def new_ledger(episode: Episode, search: Search) -> Ledger:
-    """The metrics of a search that begins."""
+    """The metrics of a search, at its beginning."""
     return RobotLedger(episode, search) if isinstance(search, RobotSearch) else Ledger(episode, search)

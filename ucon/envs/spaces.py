@@ -19,7 +19,7 @@ MAX_POSE = 1000.0
 
 
 def observation_space(image_px: tuple[int, int] | None, dimension: int, max_habits: int, max_steps: int) -> spaces.Dict:
-    """The observation space of :class:`ucon.envs.ucon_env.UcONEnv`, where its entries are explained.
+    """The observation space of :class:`ucon.envs.ucon_env.UcONEnv`, which explains its entries.
 
     Args:
         image_px: height and width of the images; None: no images.
@@ -28,7 +28,7 @@ def observation_space(image_px: tuple[int, int] | None, dimension: int, max_habi
         max_steps: steps of an episode.
 
     Raises:
-        ConfigError: ``max_habits`` is out of its range.
+        ConfigError: ``max_habits`` is out of range.
     """
     if type(max_habits) is not int or not 1 <= max_habits <= MOST_HABITS:
         raise ConfigError(f"max_habits={brief(max_habits)}: expected a whole number from 1 to {MOST_HABITS}")

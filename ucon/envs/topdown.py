@@ -1,4 +1,4 @@
-"""The top-down map beside the camera's image. For people: it shows privileged facts."""
+"""The top-down map beside the camera's image, for people only: it shows privileged facts."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _FONT, _FONT_SCALE = cv2.FONT_HERSHEY_SIMPLEX, 0.34
 class TopDownMap:
     """Draws one home from above with the search in it, in the orientation of the agent's own map.
 
-    The agent's first heading is to the right, so that both maps of a film can be compared.
+    The agent's first heading points to the right, so that both maps of a film can be compared.
     """
 
     def __init__(
@@ -39,9 +39,9 @@ class TopDownMap:
         Args:
             house: the home.
             boxes: (n, 6) boxes of its things, metres.
-            free: (nx, ny) nodes that can be stood on.
+            free: (nx, ny) nodes where the agent can stand.
             size_px: side of the picture.
-            heading: quarter turns of the agent at the start.
+            heading: heading of the agent at the start, quarter turns.
         """
         self._size, self._turned = size_px, (HEADING_COS[heading], HEADING_SIN[heading])
         x, y = house.grid.origin_xy
@@ -75,7 +75,7 @@ class TopDownMap:
 
         Args:
             path_xy: nodes of the path so far, metres.
-            heading: quarter turns of the agent.
+            heading: heading of the agent, quarter turns.
             target_box: (6,) box of the target, metres.
             opened: (m, 6) boxes of opened containers, metres.
 
@@ -106,7 +106,7 @@ class TopDownMap:
             cv2.line(self._base, self._px(*ends[0]), self._px(*ends[1]), _FREE, wide + 1)
 
     def _draw_names(self, house: House) -> None:
-        """Write each room's type where it fits in."""
+        """Write each room's type if it fits into the room."""
         for room in house.spec.rooms:
             x0, y0, x1, y1 = room.rect
             (u0, v0), (u1, v1) = self._px(x0, y0), self._px(x1, y1)

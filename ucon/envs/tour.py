@@ -1,6 +1,7 @@
 """A walk through the home before an episode: what someone who knows the home has seen, without the target.
 
-Only privileged agents are given it (``info["privileged"]["tour"]``). It measures what knowing the home is worth.
+Only privileged agents are given the tour (``info["privileged"]["tour"]``). It serves to measure what knowing the home
+is worth.
 """
 
 from __future__ import annotations
@@ -18,9 +19,9 @@ from ucon.envs.frame import StartFrame
 from ucon.perception.detectors import Detector, Frame
 from ucon.task.search import Search
 
-#: Nodes between two stops along each axis, 1 m.
+#: Nodes from one stop to the next along each axis: 1 m.
 STRIDE: Final = 4
-#: How many of a rule set's views are taken at each stop: level, and down where the camera can pitch.
+#: How many of a rule set's views are used at each stop: level, and down if the camera can pitch.
 _VIEWS: Final = 2
 
 
@@ -46,8 +47,8 @@ class Tour:
         """Render the frames.
 
         Yields:
-            Observation and info as :class:`ucon.perception.mapping.semantic_map.SemanticMap` takes them. The target is
-                in none.
+            Observation and info as :class:`ucon.perception.mapping.semantic_map.SemanticMap` takes them, without the
+                target.
 
         Raises:
             ConfigError: there is no detector.
@@ -81,10 +82,10 @@ class Tour:
 
 
 def hide(target: int, instance: NDArray[np.int16] | None, counts: NDArray[np.int32] | None) -> None:
-    """Take an instance out of a frame, so that no detector finds it; it stays in image and depth.
+    """Take an instance out of a frame, so that detectors that use instances miss it; it stays in image and depth.
 
     Args:
-        target: its number.
+        target: number of the instance.
         instance: (H, W) int16, updated.
         counts: pixels of every instance, updated.
     """
@@ -95,7 +96,7 @@ def hide(target: int, instance: NDArray[np.int16] | None, counts: NDArray[np.int
 
 
 def stops(free: NDArray[np.bool_], start: tuple[int, int]) -> NDArray[np.int64]:
-    """Nodes 1 m apart that can be reached.
+    """Nodes 1 m apart that can be reached from the start.
 
     Args:
         free: (nx, ny) bool.

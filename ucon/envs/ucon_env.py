@@ -44,7 +44,7 @@ from ucon.task.robot.search import RobotSearch
 from ucon.task.search import StepOutcome
 from ucon.task.sets import load_episodes
 
-#: Side of the canonical view, in which the rules count pixels at their angle.
+#: Side of the canonical view, in which pixels are counted at the rules' angle of view.
 CANONICAL_PX = 128
 
 Obs = dict[str, Any]
@@ -61,7 +61,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
 
     ### Action space
     ``Discrete(7)``: MoveAhead 0.25 m, RotateRight 90, RotateLeft 90, LookUp 30, LookDown 30, Open, Done.
-    With ``task="real_robot"`` rotations are of 60 degrees, and moves and turns err as those of its ``rig``.
+    With ``task="real_robot"`` rotations are by 60 degrees, and moves and turns have the errors of its ``rig``.
 
     ### Observation space
     | key | space | meaning |
@@ -77,15 +77,15 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
     | step | int64 (1,) | steps taken, 0 to max_steps |
 
     ### Info
-    ``target`` (category), ``camera_m`` (its height), ``fov_deg`` (its width); at reset ``task`` (name of the rules),
-    ``context`` (a sentence or None; ``told``: the same as :class:`ucon.habits.contexts.Context`), ``habits`` (texts),
-    ``habit_rows``, ``habit_level``, ``episode`` (id, a handle for seeds and logs), at level ``context`` ``reranking``
-    (:class:`ucon.retrieval.ContextHabits`: ranks the habits again by what was seen), with ``planner="true"`` ``nav``
-    (free grid in the agent's frame); with a detector (True: ``gt``) ``detections``, ``tracks`` and ``opened`` (tracks);
-    at the end ``episode_metrics`` and ``is_success``. With ``privileged=True`` also ``privileged`` (scene, episode,
-    solution, locations, target instance, pose): for trainers and oracles only. With ``texts=False`` info has numbers
-    and arrays only. This is the default in worker processes of Gymnasium's ``AsyncVectorEnv``, since TorchRL accepts
-    nothing else.
+    ``target`` (category), ``camera_m`` (the camera's height), ``fov_deg`` (its angle of view); at reset ``task`` (name
+    of the rules), ``context`` (a sentence or None; ``told``: the same as :class:`ucon.habits.contexts.Context`),
+    ``habits`` (texts), ``habit_rows``, ``habit_level``, ``episode`` (id, for seeds and logs), at level ``context``
+    ``reranking`` (:class:`ucon.retrieval.ContextHabits`: re-ranks the habits by what was seen), with
+    ``planner="true"`` ``nav`` (free grid in the agent's frame); with a detector (True: ``gt``) ``detections``,
+    ``tracks`` and ``opened`` (tracks); at the end ``episode_metrics`` and ``is_success``. With ``privileged=True`` also
+    ``privileged`` (scene, episode, solution, locations, target instance and position, pose, tour): for trainers and
+    oracles only. With ``texts=False`` info has numbers and arrays only. This is the default in worker processes of
+    Gymnasium's ``AsyncVectorEnv``, since TorchRL accepts nothing else.
 
     ### Rewards
     :class:`ucon.task.reward.Reward`: +10 for a successful Done and -0.01 a step by default.
@@ -95,7 +95,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
 
     ### Copies
     ``copy.deepcopy`` and ``pickle`` give an independent environment in the same state. Copies share homes, habits,
-    embeddings and episodes; a pickle stores only the names of those that every installation has.
+    embeddings and episodes; of those that every installation has, a pickle stores only the names.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 6}  # noqa: RUF012 (Gymnasium's own name and type)
@@ -133,19 +133,19 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         Args:
             episodes: name of a set (``mini``, ``val``, ``test``), a file, a home file (YAML), or episodes.
             habit_level: which habits the agent is given: none, full, gt, retrieval, context.
-            source: gives every episode its habits; by default the habit book, or what a home file says.
+            source: gives every episode its habits; by default the habit book, or the habits of the home file.
             task: name of the rule set.
-            least_pixels: that Done and Open ask for (sensitivity); None: as the rule set has it.
-            observe: ``pixels`` for images in observations, ``symbolic`` without.
-            width_px: of the images.
-            height_px: of the images.
+            least_pixels: least pixels for Done and Open, for sensitivity analyses; None: as in the rule set.
+            observe: ``pixels`` for images in observations, ``symbolic`` for none.
+            width_px: width of the images.
+            height_px: height of the images.
             fov_deg: horizontal angle of view; None: the rules', 90 in the paper's.
             detector: False for none, True for ``gt``, or a detector.
-            planner: ``true`` puts the true free grid into info, ``observed`` does not; None: true, where there is a
+            planner: ``true`` puts the true free grid into info, ``observed`` does not; None: ``true`` if there is a
                 grid.
             renderer: ``raster``, or ``tiny`` (PyBullet's).
             world: ``compiled`` arrays, or ``live`` PyBullet.
-            rig: of ``task="real_robot"``; None: its default there.
+            rig: rig of the robot with ``task="real_robot"``; None: its default.
             reward: weights of a step's reward.
             max_habits: rows of habits in observations.
             privileged: put privileged facts into info.
@@ -195,19 +195,19 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
 
     @property
     def rig(self) -> RobotRig | None:
-        """How the robot is built and errs; None under rules of the grid."""
+        """How the robot is built and errs; None under rules with a grid."""
         return self._rig
 
     @property
     def pose(self) -> NDArray[np.float32]:
-        """The pose of observations, (4,) float32: the true one of a node, or what a robot's odometry says."""
+        """The pose in observations, (4,) float32: the true pose on the grid, or the estimate of a robot's odometry."""
         if isinstance(self.search, RobotSearch):
             return self.search.odometry
         return self._frame.pose(self.search.pose)
 
     @property
     def max_habits(self) -> int:
-        """Rows of habits in observations: the longest list of habits that can be given."""
+        """Rows of habits in observations, which is the length of the longest list of habits that can be given."""
         return self._max_habits
 
     @property
@@ -234,10 +234,10 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
 
         Args:
             seed: draws the episode, unless one is given.
-            options: ``episode``, an Episode, an id or an index; ``habit_level``, the level of this episode alone;
+            options: ``episode``, an Episode, an id or an index; ``habit_level``, the level for this episode only;
                 ``hide_target``, True: the detector never shows the target (for trainers); ``frame``, a Start: poses and
-                the grid are relative to it in place of the episode's own; ``same_home``, True: the detector goes on
-                with the tracks of the episode before, whose home had the same instances.
+                the grid are relative to it instead of the episode's start; ``same_home``, True: the detector keeps the
+                tracks of the episode before, whose home must have the same instances.
 
         Returns:
             Observation and info; see the class.
@@ -247,7 +247,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
             ConfigError: an unknown habit level, or more habits than ``max_habits``.
         """
         super().reset(seed=seed)
-        self._ledger = None  # a reset that fails leaves nothing to go on with
+        self._ledger = None  # after a failed reset nothing can be continued
         self.episode = self._choose(options or {})
         self._hides_target = bool((options or {}).get("hide_target", False))
         level = self.source.check_level((options or {}).get("habit_level", self.habit_level))
@@ -311,9 +311,9 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         return obs, reward, outcome.done, truncated, returned_info(info, texts=self._texts)
 
     def advance(self, action: int) -> tuple[StepOutcome, float, bool]:
-        """Carry out one action and draw the images, as :meth:`step` does, but make no observation of them.
+        """Carry out one action and draw the images, as :meth:`step` does, but make no observation.
 
-        For many environments, of whose observations most entries stay as they are.
+        Meant for batches of environments, where most entries of the observations stay as they are.
 
         Args:
             action: 0 to 6.
@@ -322,8 +322,8 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
             What the action did, the reward, and whether the episode is truncated.
 
         Raises:
-            EpisodeError: as of :meth:`step`.
-            ActionError: as of :meth:`step`.
+            EpisodeError: see :meth:`step`.
+            ActionError: see :meth:`step`.
         """
         ledger, potential = self._begun("step"), self._reward.progress != 0
         if self._over:
@@ -344,15 +344,15 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         return outcome, reward, truncated
 
     def draw_images_into(self, images: Images | None) -> None:
-        """Say where the renderer writes the images of the next observations, which then are these very arrays.
+        """Set the arrays that the renderer writes the next images into; observations then hold these arrays.
 
         Args:
-            images: C-contiguous colours and depth; None: new arrays for each observation, as at first.
+            images: C-contiguous colours and depth; None: new arrays for each observation, the default.
         """
         self._images = images
 
     def action_masks(self) -> NDArray[np.bool_]:
-        """Actions that may be chosen, for MaskablePPO: all seven, since a mask must not tell what an action would do.
+        """Actions that may be chosen, for MaskablePPO: all seven, since a mask must not reveal what an action would do.
 
         Returns:
             (7,) bool.
@@ -361,7 +361,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         return np.ones(len(Action), bool)
 
     def moment(self) -> Moment:
-        """The current state as :meth:`draw` takes it, now or later in the episode."""
+        """The current state, which :meth:`draw` can draw now or later in the episode."""
         ledger = self._begun("moment")
         return Moment.of(self.search, ledger)
 
@@ -393,7 +393,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         self._world = self._ledger = self._painter = None
 
     def _begun(self, what: str) -> Ledger:
-        """The metrics of the current episode; raises where there is none (``what`` names the call)."""
+        """The metrics of the current episode; raises if there is none (``what`` names the call)."""
         if self._ledger is None:
             raise EpisodeError(f"{what} before reset, or after close: call reset() first")
         return self._ledger
@@ -412,7 +412,7 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         self._renderer.load(house, arrangement)
 
     def _observed(self, opened: tuple[int, ...]) -> tuple[Obs, dict[str, Any]]:
-        """Observation and info of what was drawn; one rendering gives image, depth, instances and pixel counts."""
+        """Observation and info of the last drawn frame, which has image, depth, instances and pixel counts."""
         pose, camera_m = self.pose, self.search.camera[2]
         info: dict[str, Any] = {"target": self.episode.target_category, "camera_m": camera_m, "fov_deg": self._fov_deg}
         obs: Obs = {"pose": pose}
@@ -445,12 +445,12 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         return obs, info
 
     def _target_xyz(self) -> NDArray[np.float64]:
-        """Middle of the target, (3,) metres in the frame of poses."""
+        """Centre of the target, (3,) metres in the frame of poses."""
         box = self._world.boxes[self.search.target]
         return self._frame.point(0.5 * (box[:3] + box[3:]), self._world.house.grid)
 
     def _draw(self) -> tuple[NDArray[np.float32] | None, NDArray[np.uint8] | None]:
-        """Depth (H, W) and colours (H, W, 3), each if it is needed; instances and pixel counts are kept."""
+        """Draw depth (H, W) and colours (H, W, 3), each if needed; instances and pixel counts are kept."""
         pixels, detector, shape = self._observe == "pixels", self._detector, self._instance.shape
         rgb, depth = self._images or (None, None)
         if depth is None and (pixels or detector is not None):
@@ -471,14 +471,14 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         return depth, rgb
 
     def _give_habits(self) -> None:
-        """Update ``habits`` and ``habits_mask`` of observations; at level ``context`` by the current ranking."""
+        """Update ``habits`` and ``habits_mask`` of observations; at level ``context`` from the current ranking."""
         rows = (self._knowledge.reranking or self._knowledge).rows
         if rows is not self._habit_rows:
             self._habits, self._habits_mask = padded(rows, self._max_habits, f"episode {self.episode.id}")
             self._habit_rows = rows
 
     def _choose(self, options: dict[str, Any]) -> Episode:
-        """The episode of ``options``, else one drawn by the seed."""
+        """The episode of ``options``, else one drawn from the seed."""
         wanted = options.get("episode")
         if wanted is None:
             return self.episodes[int(self.np_random.integers(len(self.episodes)))]

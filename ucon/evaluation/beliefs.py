@@ -1,7 +1,8 @@
 """Measures a reader of habits: its belief against the true distribution that placements are drawn from.
 
-Figures are exact expectations over that distribution, not over one drawn place, among given candidates. The oracle's
-belief is the true distribution itself; a reader that does better has had access to it, which is reported as an error.
+Figures are exact expectations over that distribution, among given candidates, and not values for one drawn place. The
+oracle's belief is the true distribution itself; a reader that does better has had access to it, which is reported as an
+error.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ _SLACK = 1e-6
 
 @dataclass
 class Measured:
-    """Figures of one habit level, a value for each target in the order of measurement."""
+    """Figures of one habit level: one value per target, in the order of measurement."""
 
     values: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in FIGURES})
     stated: list[Array] = field(default_factory=list)
@@ -78,16 +79,16 @@ def measure_beliefs(
     about: Callable[[Entry], bool] = lambda _: True,
     levels: Sequence[Level] = FIXED_LEVELS,
 ) -> dict[str, Measured]:
-    """Figures by habit level, and of the oracle.
+    """Measure a reader's beliefs at each habit level, and the oracle's.
 
     Beliefs are normalised over the candidates, which include all true anchors.
 
     Args:
         kbs: knowledge bases.
-        reader: what is measured.
+        reader: the reader that is measured.
         retriever: for level ``retrieval``.
-        candidates: names of a knowledge base's candidate anchors.
-        about: which entries count; a target needs all its entries to count.
+        candidates: gives the names of a knowledge base's candidate anchors.
+        about: whether an entry counts; a target is measured only if all its entries count.
         levels: habit levels.
 
     Raises:

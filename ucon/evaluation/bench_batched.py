@@ -1,4 +1,4 @@
-"""Speed of many homes at once: TorchRL over the environments themselves, one and two workers, larger images."""
+"""Speed of many homes at once: TorchRL against bare environments, one and two workers, larger images."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from ucon.envs.ucon_env import UcONEnv
 from ucon.evaluation.bench_env import WALK, one_per_home, walked_per_second
 from ucon.task.episode import Episode
 
-#: Environments of a batch, and steps of each in what a collector gives at once.
+#: Environments in a batch, and steps of each environment in one batch of the collector.
 SLOTS: Final = 64
 _STEPS: Final = 15
-#: Side of the larger images; the usual ones are of 128 pixels.
+#: Side of the larger images in pixels; the usual ones have 128.
 LARGER_PX: Final = 224
-#: Times that everything is measured, in turns; batches each time, so that every slot ends one episode.
+#: Rounds, in which all variants are measured in turn, and batches per round: enough for every slot to end an episode.
 _ROUNDS: Final = 5
 _BATCHES: Final = 20
 _ACTIONS: Final = 4001
@@ -36,10 +36,10 @@ STAGES: Final = 3
 
 
 class Walk(torch.nn.Module):
-    """Random actions that were drawn beforehand, so that choosing costs nothing.
+    """Policy of random actions that were drawn beforehand, so that choosing costs nothing.
 
     Args:
-        slots: of the batch.
+        slots: number of environments in the batch.
     """
 
     def __init__(self, slots: int) -> None:
@@ -66,7 +66,8 @@ def bench_batched(episodes: Sequence[Episode], on_stage: Callable[[], None] = la
         on_stage: called at the end of each of ``STAGES`` stages.
 
     Returns:
-        Figures by name. Without workers they are of CPU time of one core, with workers of wall time.
+        Figures by name. Rates without workers are per CPU second of one core, those with workers per second of wall
+        time.
     """
     torch.set_num_threads(1)
     keep_freed_memory()
@@ -81,13 +82,13 @@ def bench_batched(episodes: Sequence[Episode], on_stage: Callable[[], None] = la
 
 
 def overhead(episodes: Sequence[Episode], slots: int) -> dict[str, float]:
-    """Steps per CPU second of as many environments in a loop, of the same that keeps what it sees, and of TorchRL.
+    """Steps per CPU second of a loop over environments, of a loop that keeps observations, and of TorchRL.
 
-    All begin every episode anew after its 300 steps. TorchRL's collector stores every observation once
-    (``compact_obs``), with rewards, ends, numbers of trajectories and actions.
+    All reset an environment after the 300 steps of its episode. TorchRL's collector stores every observation once
+    (``compact_obs``), with rewards, end flags, trajectory numbers and actions.
 
     Args:
-        episodes: drawn from.
+        episodes: episodes to draw from.
         slots: number of environments.
     """
     envs = [UcONEnv(episodes, planner="observed") for _ in range(slots)]
@@ -124,7 +125,7 @@ def overhead(episodes: Sequence[Episode], slots: int) -> dict[str, float]:
 
 
 def _loop(envs: Sequence[UcONEnv], kept: list[Any] | None) -> None:
-    """Walk through as many steps as the collector's batches have; ``kept`` gets what was seen, a batch at a time."""
+    """Walk as many steps as the collector's batches have; ``kept`` collects observations, one batch at a time."""
     actions = walk(len(envs))
     for step in range(_STEPS * _BATCHES):
         for env, action in zip(envs, actions[step].tolist(), strict=True):
@@ -138,7 +139,7 @@ def _loop(envs: Sequence[UcONEnv], kept: list[Any] | None) -> None:
 
 
 def _take(batches: Iterator[TensorDictBase], count: int) -> int:
-    """Take batches; the number of their frames."""
+    """Take batches; returns the number of their frames."""
     return sum(next(batches).numel() for _ in range(count))
 
 
@@ -146,7 +147,7 @@ def scaling(episodes: Sequence[Episode], slots: int) -> dict[str, float]:
     """Frames per second of wall time with one and with two worker processes, which do not wait for each other.
 
     Args:
-        episodes: drawn from.
+        episodes: episodes to draw from.
         slots: environments of each worker.
     """
     rates: dict[int, list[float]] = {1: [], 2: []}
@@ -158,13 +159,13 @@ def scaling(episodes: Sequence[Episode], slots: int) -> dict[str, float]:
 
 
 def _with_workers(make: Callable[[], BatchedUcONEnv], slots: int, workers: int) -> float:
-    """Frames per second that worker processes give together."""
+    """Frames per second of all worker processes together."""
     collector = MultiAsyncCollector(
         [make] * workers, Walk(slots), frames_per_batch=slots * _STEPS, total_frames=-1, **_COLLECTOR
     )
     try:
         batches = iter(collector)
-        _take(batches, 2 * workers)  # homes are loaded, and the renderer's code
+        _take(batches, 2 * workers)  # warm up: loads the homes and the renderer's code
         started = time.perf_counter()
         frames = _take(batches, _BATCHES * workers)
         return frames / (time.perf_counter() - started)
@@ -179,7 +180,7 @@ def _in_worker(slots: int, episodes: tuple[Episode, ...]) -> BatchedUcONEnv:
 
 
 def _of_images(episode: Episode) -> float:
-    """Rate of a walk with larger images over that with the usual ones; the fastest of some walks each, in turns."""
+    """Speed with larger images relative to the usual ones; each is the fastest of several walks, taken in turn."""
     size = {"width_px": LARGER_PX, "height_px": LARGER_PX}
     pairs = [(walked_per_second(episode, {}), walked_per_second(episode, size)) for _ in range(_ROUNDS)]
     usual, larger = map(max, zip(*pairs, strict=True))

@@ -36,10 +36,10 @@ def bench_environment(
     Args:
         episodes: one per scene is used. A figure is the median over them, ``..._worst`` the lowest.
         agent: for ``decisions_per_s``: steps per second of whole searches, with detector, map and choice.
-        on_stage: called at the end of each of ``STAGES`` stages, and of the agent's.
+        on_stage: called at the end of each of ``STAGES`` stages, and of the agent's stage.
 
     Returns:
-        Figures by name, rounded to one digit; for ``UcONSearch-v0`` a random choice counts as one decision.
+        Figures by name, rounded to one decimal; for ``UcONSearch-v0`` a random choice counts as one decision.
     """
     chosen = one_per_home(episodes)
     figures: dict[str, float] = {}
@@ -71,7 +71,7 @@ def walked_per_second(episode: Episode, options: dict[str, Any]) -> float:
     """Steps per CPU second of a random walk, without resets.
 
     Args:
-        episode: where it walks.
+        episode: the episode in which it walks.
         options: of ``UcON-v0``.
     """
     env = _make([episode], **options)

@@ -1,6 +1,6 @@
-"""Cost against size: ranking a knowledge base against its sentences, a step against a home's things and rooms.
+"""Cost against size: of a ranking by number of sentences, of a step by number of things and rooms in the home.
 
-CPU time of this process, so that a busy machine changes it little.
+Costs are CPU time of this process, which a busy machine changes little.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from ucon.sim.cache import load_house
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 
-#: Sentences of the knowledge bases.
+#: Numbers of sentences of the knowledge bases.
 SIZES: Final = (100, 1_000, 10_000, 100_000)
 #: Homes of the set ``mini``, named and generated, with few and many things in few and many rooms.
 HOMES: Final = (
@@ -40,18 +40,18 @@ HOMES: Final = (
     "procedural:house:890000", "office_large", "house_single_floor",
 )  # fmt: skip
 RETRIEVERS: Final = ("minilm", "bm25", "minilm, told context", "minilm, re-ranked")
-"""What ranks: two retrievers, and what a told context and level ``context`` put upon the first."""
-#: Queries of a knowledge base, after the first.
+"""What ranks: two retrievers, and the first one with a told context and with the re-ranking of level ``context``."""
+#: Number of queries to a knowledge base after the first.
 QUERIES: Final = 40
-#: Resets that are measured.
+#: Number of resets that are measured.
 _RESETS: Final = 5
-#: Who says a sentence of the book when it comes again.
+#: Speakers named in repetitions of a sentence of the book.
 _NAMES: Final = ("Ada", "Bruno", "Chidi", "Dalia", "Edith", "Farid", "Greta", "Hiro")
 _TOLD: Final = Context(day=0, hour=16, season="summer", occasion="weather/rain", asker="retired teacher Ines")
-#: What was seen, and which share of what was found empty, when a list is ranked again.
+#: Things seen, and the share of things of a category found empty, when a list is re-ranked.
 _SEEN: Final = ("sofa", "desk", "shelf")
 _EMPTIED: Final[Mapping[str, float]] = {"bed": 0.5, "desk": 1.0}
-#: Walks of an episode, of which the fastest counts: others were slowed by what shares the caches with them.
+#: Walks per episode, of which the fastest counts: the others were slowed by processes that share the caches.
 _ROUNDS: Final = 5
 
 T = TypeVar("T")
@@ -60,7 +60,7 @@ Rank = Callable[[str], NDArray[np.int32]]
 
 @dataclass(frozen=True)
 class QueryCost:
-    """What ranking all sentences of a knowledge base costs; embeddings of sentences and queries are known before."""
+    """CPU time of ranking all sentences of a knowledge base; embeddings of sentences and queries are known before."""
 
     retriever: str
     sentences: int
@@ -68,14 +68,14 @@ class QueryCost:
     """Median over queries."""
     query_ms_worst: float
     first_ms: float
-    """First query of all, which makes the index."""
+    """The very first query, which builds the index."""
     reset_ms: float
-    """First query after a reset, which shuffles the knowledge base; in a told context a new one."""
+    """First query after a reset, which shuffles the knowledge base and, with a told context, changes the context."""
 
 
 @dataclass(frozen=True)
 class StepCost:
-    """What a step of a random walk with images costs in a home."""
+    """CPU time of a step of a random walk with images in a home."""
 
     home: str
     rooms: int
@@ -89,11 +89,11 @@ def query_costs(sizes: Sequence[int], queries: int) -> list[QueryCost]:
 
     Args:
         sizes: numbers of sentences, from 1 up, such as :data:`SIZES`.
-        queries: ranked after the first one; each is another category of the habit book.
+        queries: number of queries after the first; each is for a different category of the habit book.
     """
     categories = book().categories
     asked = [categories[k] for k in np.linspace(0, len(categories) - 1, queries + 1).astype(int)]
-    for name in RETRIEVERS:  # compiles kernels, reads weights, encodes queries that state what was told
+    for name in RETRIEVERS:  # compiles kernels, reads weights, encodes queries with the told context
         warm_up = _ranking(name, _base_for(name, 10), _Retrievers())
         for target in asked:
             warm_up(target)
@@ -145,11 +145,11 @@ def step_costs(homes: Sequence[str]) -> list[StepCost]:
 
 
 def scaled_base(size: int, *, named: bool) -> KnowledgeBase:
-    """A knowledge base of as many sentences as asked for, shuffled.
+    """A shuffled knowledge base of ``size`` sentences.
 
     Args:
         size: number of sentences; up to that of the habit book they are all different.
-        named: sentences that come again are said by somebody else each time. Without, they are the very same, so that
+        named: whether each repetition of a sentence names another speaker. If not, repetitions are identical, so that
             embeddings of all sentences are in the shipped table.
     """
     texts = book().texts
@@ -161,7 +161,7 @@ def scaled_base(size: int, *, named: bool) -> KnowledgeBase:
 
 
 def _said(text: str, turn: int) -> str:
-    """A sentence as it is said for the first time (0), or by another name each turn."""
+    """A sentence as it stands in turn 0, or said by a different speaker in each later turn."""
     names = [_NAMES[(turn - 1) % len(_NAMES)], *(("again",) * ((turn - 1) // len(_NAMES)))]
     return text if turn == 0 else f"{' '.join(names)} says: {text}"
 

@@ -1,7 +1,7 @@
 """Drift: the log-likelihood of the places of things whose habits change, by days since the change.
 
-It is that of a robot that is told of the change, of one that is not, and of one that does not reckon with changes. The
-loss on the day of the change, and the share of it that is made good later, say what a change costs a memory.
+It is measured for a robot that is told of the change, for one that is not, and for one that expects no changes. The
+loss on the day of the change, and the share of it that is recovered later, show what a change costs a memory.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from ucon.lives.timeline import Timeline
 from ucon.memory.place_model import PlaceModel, PlaceWeights
 from ucon.memory.sighting_log import SightingLog
 
-#: Days before the change that tell what was usual, and days after it that are followed.
+#: Days before the change, which serve as the baseline, and days that are followed from the change on.
 BEFORE, AFTER = 4, 7
 TOLD, UNTOLD, UNAWARE = "told of the change", "not told", "reckons with no change"
-#: By name of the robot: its place model, and whether it is told.
+#: By name of the robot: weights of its place model, and whether it is told of the change.
 ROBOTS: Final = {
     TOLD: (PlaceWeights(), True),
     UNTOLD: (PlaceWeights(), False),
@@ -39,7 +39,7 @@ class Drift:
     """Values of several lives.
 
     Attributes:
-        values: by robot and day since the change, life and log-likelihood of each changed thing in each slot.
+        values: by robot and day since the change, (life, log-likelihood) of each changed thing in each slot.
     """
 
     values: dict[str, dict[int, list[tuple[str, float]]]] = field(
@@ -47,10 +47,10 @@ class Drift:
     )
 
     def add(self, life: Life, log: SightingLog) -> None:
-        """Add a robot; one in whose life nothing changes adds nothing.
+        """Add the sightings of one robot; a life in which nothing changes adds nothing.
 
         Args:
-            life: that it lived.
+            life: the life that it lived.
             log: its sightings at the end.
         """
         if life.change_day is None:
@@ -87,7 +87,7 @@ class Drift:
         }
 
     def made_good(self, name: str, day: int) -> Interval:
-        """Share of the loss on the first day that is made good on another; 1 is as before. The interval draws lives.
+        """Share of the first day's loss that is recovered on a later day; 1: all of it. The interval resamples lives.
 
         Args:
             name: of a robot.
@@ -127,7 +127,7 @@ class Drift:
 
 
 def _changed(life: Life, log: SightingLog) -> Iterator[tuple[int, int]]:
-    """Time and number of each changed thing that was ever seen, around the change."""
+    """Time and possession number, for each changed thing that was ever seen and each time around the change."""
     assert life.change_day is not None
     first, last = max(life.change_day - BEFORE, 1), min(life.change_day + AFTER, life.days)
     for number, one in enumerate(life.possessions):
@@ -137,7 +137,7 @@ def _changed(life: Life, log: SightingLog) -> Iterator[tuple[int, int]]:
 
 
 def drift_table(title: str, drift: Drift) -> Table:
-    """Log-likelihood of changed things' places by day since the change, and how much is made good.
+    """Log-likelihood of changed things' places by day since the change, and the share of the loss that is recovered.
 
     Args:
         title: of the table.

@@ -1,7 +1,7 @@
-"""How well a robot came to know its household: its kept sightings against the life that it lived.
+"""How well a robot got to know its household: its stored sightings against the life that it lived.
 
-Measured are the habits that it found out (are they habits, and how many of those that could be seen were found?) and
-what its memory says of tomorrow's places, beside the baselines of remembering.
+Two things are measured: the habits that the robot found out (which share of them is true, and which share of the true
+habits of known things was found), and its memory's predictions of tomorrow's places, against baselines of remembering.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from ucon.memory.sighting_log import SeenThing, SightingLog
 from ucon.memory.simple_models import LastSeen, MostSeen
 from ucon.sim.cache import load_house
 
-#: A thing is at a known place where that is nearer than this, metres.
+#: A thing counts as being at a known place that is at most this far away, metres.
 NEAR_M: Final = 0.6
-#: Probability of the very place of a thing that is at none of its known places, by whoever knows no more than that.
+#: Probability of a thing's true place, given only that it is at none of its known places.
 ELSEWHERE_P: Final = 0.1
 _LEAST = 1e-3
 
@@ -39,8 +39,8 @@ class Truth:
 
     Attributes:
         life: the life.
-        xyz: of each possession, (P, 3) middles of its places in the frame of the dock, metres.
-        spots: of each possession, relation and anchor category of its places.
+        xyz: for each possession, (P, 3) middles of its places in the frame of the dock, metres.
+        spots: for each possession, relation and anchor category of its places.
     """
 
     life: Life
@@ -69,11 +69,11 @@ class Truth:
 
 @dataclass
 class Known:
-    """Figures of what several robots knew of their households; each value with the id of its life.
+    """Figures of what several robots knew about their households; each value with the id of its life.
 
     Attributes:
-        written: of every sentence at the end of a life, whether it is a habit then.
-        covered: of every habit by which a known thing is kept at the end, whether a sentence says it.
+        written: for every sentence at the end of a life, whether it is a habit then.
+        covered: for every habit by which a known thing is kept at the end, whether a sentence states it.
         tomorrow: by model, the log-likelihood of each known thing's place in every slot of the next day.
     """
 
@@ -82,10 +82,10 @@ class Known:
     tomorrow: dict[str, list[tuple[str, float]]] = field(default_factory=dict)
 
     def add(self, life: Life, log: SightingLog) -> None:
-        """Add a robot.
+        """Add the sightings of one robot.
 
         Args:
-            life: that it lived.
+            life: the life that it lived.
             log: its sightings at the end.
         """
         truth, timeline = Truth.of(life), Timeline(life)
@@ -127,7 +127,7 @@ class Known:
         return _interval(self.written)
 
     def recall(self) -> Interval:
-        """Share of the habits of known things that a sentence says."""
+        """Share of the habits of known things that a sentence states."""
         return _interval(self.covered)
 
     def likelihoods(self) -> dict[str, Interval]:
@@ -179,7 +179,7 @@ def log_likelihood(p: NDArray[np.float64], thing: SeenThing, xyz: NDArray[np.flo
 
     Args:
         p: (n,) probability of its known places.
-        thing: what is known of it.
+        thing: what is known about it.
         xyz: (3,) where it is, metres in the frame of the dock.
     """
     away = np.linalg.norm(thing.places - xyz, axis=1)
@@ -188,7 +188,7 @@ def log_likelihood(p: NDArray[np.float64], thing: SeenThing, xyz: NDArray[np.flo
 
 
 def until(thing: SeenThing, time: int) -> SeenThing:
-    """What was known of a thing before a time; its places are named as they were at the end."""
+    """What was known about a thing before a time; its places are named as they were at the end."""
     seen = [(when, place) for when, place in thing.seen if when < time]
     count = max((place for _, place in seen), default=-1) + 1
     absent = [(when, place) for when, place in thing.absent if when < time and place < count]
@@ -196,12 +196,12 @@ def until(thing: SeenThing, time: int) -> SeenThing:
 
 
 def examples(log: SightingLog, life: Life, count: int) -> Iterator[tuple[str, bool]]:
-    """Some sentences of a robot at the end of a life, those of most times first, and whether each is a habit.
+    """Some sentences of a robot at the end of a life, those with the most sightings first; whether each is a habit.
 
     Args:
         log: its sightings at the end.
-        life: that it lived.
-        count: of sentences.
+        life: the life that it lived.
+        count: number of sentences.
     """
     truth, model, end = Truth.of(life), PlaceModel(), time_of(life.days, 0)
     model.begin(life.first_weekday)

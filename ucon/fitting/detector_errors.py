@@ -1,4 +1,4 @@
-"""Fits the errors of a detector on training homes: recall, scores, wrong names, false boxes, and which looks err alike.
+"""Fits a detector's errors on training homes: recall, scores, wrong names, false boxes, and which looks err together.
 
 Everything is a maximum likelihood fit of a small model to the looks of :mod:`ucon.fitting.detector_looks`.
 """
@@ -20,11 +20,11 @@ from ucon.perception.detectors.confusion import similarity
 from ucon.perception.errors.model import DetectorErrors, size_features, vocabulary_hash
 from ucon.perception.mapping.detections import MIN_PIXELS
 
-#: Fewer looks than this say too little.
+#: Fewest looks that errors can be fitted on.
 LEAST_LOOKS: Final = 2000
 #: Pixels at which the slope of the recall may change.
 _KNOTS_PX: Final = (5.0, 12.0, 60.0, 300.0, 1500.0)
-#: Sides and octaves that are tried, the coarsest first: which looks err together?
+#: Sides and octaves that are tried, the coarsest first, to find which looks err together.
 _SIDES, _OCTAVES = (4, 8, 16), (2.0, 1.0, 0.5)
 
 
@@ -114,7 +114,7 @@ def _score_evidence(
 
 
 def _confusion(true: NDArray[np.int32], called: NDArray[np.int32]) -> NDArray[np.float64]:
-    """Weights of what makes names alike, from pairs of the true name and the wrong one (a conditional logit)."""
+    """Weights of the features that make names similar, from pairs of true and wrong name (a conditional logit)."""
     features = torch.from_numpy(similarity())
     weights = torch.zeros(features.shape[2], dtype=torch.float64, requires_grad=True)
     if not len(true):
@@ -138,7 +138,7 @@ def _confusion(true: NDArray[np.int32], called: NDArray[np.int32]) -> NDArray[np
 
 
 def look_key(bearing: NDArray[np.float64], away_m: NDArray[np.float64], sides: int, octave: float) -> NDArray[np.int64]:
-    """Number of the side and distance that looks are from: looks of one number err together."""
+    """Number of the side and distance that looks are from; looks with the same number err together."""
     side = np.floor(bearing / (2 * np.pi / sides)).astype(np.int64) % sides
     far = np.round(np.log2(np.maximum(away_m, 0.1)) / octave).astype(np.int64)
     return 64 * (far + 16) + side
@@ -147,7 +147,7 @@ def look_key(bearing: NDArray[np.float64], away_m: NDArray[np.float64], sides: i
 def _repeats(looks: Looks, residual: NDArray[np.float64]) -> tuple[int, float, float, float]:
     """Sides, octave, and the correlation of residuals of two looks at a thing, within and across sides and distances.
 
-    The coarsest division within which looks err nearly as much together as within the finest.
+    Takes the coarsest division within which looks err together nearly as much as within the best one.
     """
     thing = looks.home.astype(np.int64) * 100_000 + looks.thing
     whole = _within(thing, residual)

@@ -1,6 +1,6 @@
-"""Looks of a detector at things whose truth is known: what its errors are fitted on.
+"""Looks of a detector at things whose truth is known; its errors are fitted on them.
 
-A walk along the solutions of training episodes, with a turn on the spot every few steps. Boxes are matched with the
+A walk follows the solution of a training episode, with a turn on the spot every few steps. Boxes are matched with the
 simulator's instances by overlap.
 """
 
@@ -23,9 +23,9 @@ from ucon.perception.mapping.detections import STRUCTURE_KINDS, Detections
 from ucon.task.actions import Action
 from ucon.task.episode import Episode
 
-#: A box is of the thing that it overlaps most, if by so much (intersection over union).
+#: A box belongs to the thing that it overlaps most, if by at least this much (intersection over union).
 LEAST_OVERLAP = 0.3
-#: Steps of the way between two turns on the spot.
+#: Steps along the way between two turns on the spot.
 _BETWEEN_TURNS = 3
 
 
@@ -44,7 +44,7 @@ class Looks:
     whole: NDArray[np.float64]
     """Pixels that a thing of its catalogue size has there."""
     away_m: NDArray[np.float64]
-    """Distance of what shows of it, metres."""
+    """Distance of its visible part, metres."""
     bearing: NDArray[np.float64]
     """Direction from the camera to it over the floor, radians in the start frame."""
     found: NDArray[np.bool_]
@@ -61,7 +61,7 @@ class Looks:
 
 @dataclass(frozen=True)
 class FalseBoxes:
-    """Boxes matched with no thing."""
+    """Boxes that match no thing."""
 
     frames: int
     """Frames that were looked at."""
@@ -70,13 +70,13 @@ class FalseBoxes:
 
 
 class Witness(BoxDetector):
-    """A detector that is asked as it is, with every look written down."""
+    """Wraps a detector without changing it, and records every look."""
 
     def __init__(self, detector: BoxDetector) -> None:
         """Wrap a detector.
 
         Args:
-            detector: it and its tracker are used as they are.
+            detector: used unchanged, as is its tracker.
         """
         self._errors_file = None
         self.inner, self.name, self.needs_rgb = detector, detector.name, detector.needs_rgb
@@ -92,29 +92,29 @@ class Witness(BoxDetector):
         self._thing = np.array([name not in STRUCTURE_KINDS for name in categories], bool)
 
     def find(self, frame: Frame) -> Boxes:
-        """Boxes of the detector; what they were of is written down."""
+        """Boxes of the detector; what they match is recorded."""
         boxes = self.inner.find(frame)
         self._note(frame, boxes)
         return boxes
 
     def detect(self, frame: Frame) -> Detections:
-        """As the detector itself, which is asked once."""
+        """As the wrapped detector, which is asked once."""
         return self.inner.follow(self.find(frame), frame)
 
     def tracks_of(self, instances: tuple[int, ...]) -> tuple[int, ...]:
-        """As the detector itself."""
+        """As the wrapped detector."""
         return self.inner.tracks_of(instances)
 
     def close(self) -> None:
-        """As the detector itself."""
+        """As the wrapped detector."""
         self.inner.close()
 
     def _note(self, frame: Frame, boxes: Boxes) -> None:
-        """Match boxes with things, and write down every thing in view and every box of nothing."""
+        """Match boxes with things, and record every thing in view and every box on nothing."""
         n = len(frame.counts)
         box, middle, count = np.empty((n, 4), np.int32), np.empty((n, 3)), np.empty(n, np.int32)
         outline(frame.depth, frame.instance, frame.camera, box, middle, count)
-        # Things too small to count as seen are looks in vain: without them far looks at small things would seem good.
+        # Things too small to count as seen are recorded too: else far looks at small things would seem too good.
         seen = np.flatnonzero((frame.counts >= 1) & (count > 0) & self._thing)
         of = self._matched(boxes, seen, box[seen].astype(np.float32))
         away = middle[seen] - frame.camera[:3]
@@ -143,7 +143,7 @@ class Witness(BoxDetector):
         self.frames += 1
 
     def _matched(self, boxes: Boxes, seen: NDArray[np.intp], outlines: NDArray[np.float32]) -> NDArray[np.int64]:
-        """The thing of every box, (n,) int64, -1 for none: pairs that overlap most first, the right name a little."""
+        """The thing of every box, (n,) int64, -1 for none: by largest overlap, where the right name adds a little."""
         of = np.full(len(boxes.label), -1)
         pairs = []
         for k, label in enumerate(boxes.label):
@@ -186,13 +186,13 @@ def collect(
     """Walk through homes with a detector.
 
     Args:
-        detector: what is asked.
+        detector: the detector.
         episodes: one walk each.
         seed: of the looks up and down.
         tick: called with the number of walks done.
 
     Returns:
-        All looks, and the boxes of nothing.
+        All looks, and the boxes on nothing.
     """
     witness = Witness(detector)
     env = UcONEnv(episodes, habit_level="none", observe="symbolic", detector=witness)

@@ -24,7 +24,7 @@ from ucon.perception.errors.model import DetectorErrors
 
 #: Distances in metres of the recall curves, and their shades.
 _AWAY_M: Final = {1.0: "#0b4f4a", 2.0: "#0f766e", 4.0: "#58a79f", 8.0: "#a9d5d0"}
-#: Names of the confusion picture.
+#: Number of names in the confusion picture.
 _NAMES: Final = 14
 
 
@@ -35,7 +35,7 @@ def draw_errors(errors: DetectorErrors, thing: str, folder: Path, held: Reliabil
         errors: of the detector.
         thing: a catalogue name; what it is confused with is shown.
         folder: for the PNG files.
-        held: how well the fitted chances hold in walks held out; None leaves that picture out.
+        held: how well the fitted chances hold in held-out walks; None leaves that picture out.
 
     Returns:
         The files, in order.
@@ -104,7 +104,7 @@ def _confusions(errors: DetectorErrors, thing: str) -> Any:
 
 
 def _reliability(errors: DetectorErrors, held: Reliability) -> Any:
-    """Predicted against observed finding in walks held out."""
+    """Predicted against observed share of things found, in held-out walks."""
     figure = new_figure(5.6, 5.4, f"{errors.detector}: in homes held out")
     axes = figure.gca()
     axes.plot([0, 100], [0, 100], color=GREY, lw=1.0, ls=":")

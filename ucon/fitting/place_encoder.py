@@ -1,6 +1,6 @@
 """Fits the encoder that reads which place a sentence speaks for: ``python -m ucon data fit-place-encoder``.
 
-Words never met beside a place ("the cistern's lid", "where the kettle boils") have no weight in
+Words that never occur with a place in training ("the cistern's lid", "where the kettle boils") have no weight in
 :mod:`ucon.fitting.anchor_reader`, but an encoder knows what they are similar to. So all-MiniLM-L6-v2 gets a low-rank
 adapter, trained on sentences of the habit book's train entries to predict the anchor (or none) and the relation that
 they speak for. The last layer is initialised with the anchors' name vectors. Written are the adapter, the last layer,
@@ -138,7 +138,7 @@ def predicted(net: PlaceNet, texts: Sequence[str], pairs: PairReader, anchors: S
     For training and measuring only.
 
     Args:
-        net: trained.
+        net: the trained network.
         texts: n sentences.
         pairs: pair features.
         anchors: A names.

@@ -1,12 +1,12 @@
-"""Fits the numbers of the place model to robots that lived: their kept sightings against where things were.
+"""Fits the place model on played lives: the robots' kept sightings against where things really were.
 
     python -m ucon lives make lives_train --limit 48 --out train.lives.xz
     python eval.py task=resident episodes=train.lives.xz agent=belief memory=sightings memory.keep=kept
     python -m ucon data fit-memory train.lives.xz kept
 
-For every request for a thing that was seen before, the model says where it is by what was seen until the slot before.
-The numbers are those under which the true places are likeliest, found by going through the values of one after the
-other, until nothing changes. They are printed; :class:`ucon.memory.place_model.PlaceWeights` has them.
+For every request for a thing that was seen before, the model predicts its place from what was seen up to the slot
+before. The fit maximises the likelihood of the true places, trying the values of one parameter after the other until
+nothing changes. The fitted values are printed; :class:`ucon.memory.place_model.PlaceWeights` holds those in use.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from ucon.memory.place_model import Model, PlaceModel, PlaceWeights
 from ucon.memory.sighting_log import SeenThing, SightingLog
 from ucon.memory.simple_models import LastSeen, MostSeen
 
-#: Values that are tried.
+#: Values that are tried, by parameter.
 GRID: Final[dict[str, Sequence[float]]] = {
     "use": (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4),
     "doubt": (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0),
@@ -84,7 +84,7 @@ def cases_of(life: Life, log: SightingLog) -> Iterable[Case]:
 
 
 def likelihood(model: Model, cases: Sequence[Case]) -> tuple[float, float]:
-    """Mean log-likelihood of the true places in nats, and how often the likeliest place is the true one.
+    """Mean log-likelihood of the true places in nats, and how often the most likely place is the true one.
 
     Args:
         model: says where things are.
@@ -101,11 +101,11 @@ def likelihood(model: Model, cases: Sequence[Case]) -> tuple[float, float]:
 
 
 def fitted(cases: Sequence[Case], weights: PlaceWeights | None = None) -> PlaceWeights:
-    """The numbers under which the true places are likeliest.
+    """The parameters that maximise the likelihood of the true places.
 
     Args:
         cases: requests.
-        weights: to begin with; those in use by default.
+        weights: to start from; those in use by default.
     """
     best = weights or PlaceWeights()
     value, changed = likelihood(PlaceModel(best), cases)[0], True
@@ -126,7 +126,7 @@ def main(words: Sequence[str]) -> None:
         words: a set of lives and a folder of kept memories.
 
     Raises:
-        DataError: no life of the set has a memory there, or none says anything of what is asked for.
+        DataError: no life of the set has a memory there, or no request is for a thing that was seen before.
     """
     parser = argparse.ArgumentParser(prog="python -m ucon data fit-memory", description="fit the place model")
     parser.add_argument("lives", help="set of lives or file")

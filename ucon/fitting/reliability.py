@@ -1,4 +1,4 @@
-"""Whether a detector's fitted errors hold in homes that they were not fitted on."""
+"""Measures whether a detector's fitted errors hold in homes that they were not fitted on."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from ucon.fitting.detector_errors import fit_errors
 from ucon.fitting.detector_looks import FalseBoxes, Looks
 from ucon.perception.mapping.detections import MIN_PIXELS
 
-#: Every so many walks one is held out.
+#: One walk in this many is held out.
 _FOLDS = 4
-#: Groups of equal width by predicted chance.
+#: Number of groups, of equal width in predicted chance.
 GROUPS = 10
-#: Groups of fewer looks are left out.
+#: Groups with fewer looks are left out.
 LEAST_LOOKS = 20
 
 
 @dataclass(frozen=True)
 class Reliability:
-    """Predicted and observed share of things found, in walks that were held out; a row for each group of looks."""
+    """Predicted and observed share of things found in held-out walks; a row for each group of looks."""
 
     predicted: NDArray[np.float64]
     """(g,) mean predicted chance."""
     observed: NDArray[np.float64]
     """(g,) share that was found."""
     looks: NDArray[np.int64]
-    """(g,) how many looks."""
+    """(g,) number of looks."""
 
     @property
     def error(self) -> float:
@@ -45,7 +45,7 @@ class Reliability:
 
 
 def reliability(detector: str, looks: Looks, false: FalseBoxes) -> Reliability:
-    """Compare predicted and observed finding in walks that are held out of a second fit.
+    """Compare predicted and observed share of things found, in walks that are held out of a second fit.
 
     Args:
         detector: its name.

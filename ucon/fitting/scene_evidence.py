@@ -1,11 +1,11 @@
-"""Fits an encoder on a dataset's own sentences: which places do they speak for? It uses only where things are kept.
+"""Fits an encoder that reads which places a dataset's sentences speak for; it learns only from where things are kept.
 
 Such a dataset does not say which sentence names a place. So an entry's sentences are read together (multiple-instance
-learning): the probability that a thing is at an anchor grows with the sum of evidence of its sentences, plus the prior;
-fitted is what makes the true places likely. In addition every sentence has to be assigned to its owner among some
-things of the scene. For both tasks all-MiniLM-L6-v2 gets one low-rank adapter. Names are compared with sentences by
-their vectors, so unknown names can be asked about. Everything is seeded; minutes on one core, kept in the user's cache
-under a hash of everything that it depends on.
+learning): the probability that a thing is at an anchor grows with the sum of evidence of its sentences, plus the prior,
+and the fit maximises the likelihood of the true places. In addition every sentence has to be assigned to its owner
+among some things of the scene. For both tasks all-MiniLM-L6-v2 gets one low-rank adapter. Names are compared with
+sentences by their vectors, so unknown names can be asked about. Everything is seeded; minutes on one core. The result
+is kept in the user's cache under a hash of everything that it depends on.
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ class SceneEvidenceNet(nn.Module):
         self.silence, self.silence_bias = nn.Parameter(torch.zeros(d)), nn.Parameter(torch.tensor(0.6))
         self.pair, self.owner_pair = nn.Parameter(torch.ones(N_FEATURES)), nn.Parameter(torch.zeros(N_FEATURES))
         self.usual = nn.Parameter(torch.tensor([0.0, 1.0]))
-        """Log weight of the prior against the evidence of an entry's own sentences, and of all sentences."""
+        """Log weight of the prior relative to the evidence of an entry's own sentences, and of all sentences."""
 
     def spoken(self, vectors: Tensor, columns: Tensor, features: Tensor) -> Tensor:
         """Probability (H, C) that sentences speak for anchors.

@@ -1,7 +1,7 @@
-"""Hypotheses of searches in training homes, with the truth: what the judge of suspects learns from.
+"""Training data of the judge of suspects: hypotheses of searches in training homes, with the truth.
 
-A search by belief is played with a detector that errs. Whenever something new was seen of a thing that may be the
-target, its evidence and whether it is the target are written down; of other things a few.
+A search by belief is played with a detector that errs. At each new look at a thing that may be the target, its evidence
+and whether it is the target are recorded; of looks at other things, only a share.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from ucon.task.episode import Episode
 
 #: Habit levels that the searches are given, in turn.
 LEVELS = ("none", "retrieval", "full", "gt")
-#: Share of the new looks at things that are no suspects that is written down.
+#: Share of the new looks at things other than suspects that is recorded.
 OTHERS = 0.25
-#: A box is of the target if their middles are so near each other, metres, and it is hardly larger: of what a detector
-#: finds of a small thing, most pixels may show what is behind it.
+#: A box belongs to the target if their middles are at most this far apart, metres, and the box is not much larger
+#: (factor and metres): most pixels of a box around a small thing may show what is behind it.
 NEAR_M, LARGER, LARGER_M = 0.2, 2.0, 0.3
-#: Searches for cases doubt longer than those that are measured, so that there is more to learn from.
+#: Searches that collect cases stay in doubt longer than measured searches, so that they give more cases.
 PATIENT = Doubts(take=0.9, settle=0.7)
 
 
@@ -57,16 +57,16 @@ class SuspectCases:
 
 
 def cases_of(episode: Episode, number: int, detector: BoxDetector, seed: int = 0) -> SuspectCases:
-    """Search for the target of one episode, and write down the hypotheses on the way.
+    """Search for the target of one episode, and record the hypotheses on the way.
 
     Args:
         episode: of a training home.
         number: of the episode; the habit level follows from it.
-        detector: errs.
-        seed: of what is written down.
+        detector: a detector that errs.
+        seed: of the choice of looks that are recorded.
 
     Returns:
-        Perhaps no rows.
+        The cases; there may be none.
     """
     draw = stream(seed, "suspect cases", episode.id)
     env = UcONEnv(
@@ -117,6 +117,6 @@ def _in_start_frame(env: UcONEnv, instance: int) -> NDArray[np.float64]:
 
 
 def _is_there(box: NDArray[np.float64], where: NDArray[np.float64]) -> bool:
-    """Whether a 3-D box (6,) may be of the target, by :func:`_in_start_frame`."""
+    """Whether a 3-D box (6,) may belong to the target, given by :func:`_in_start_frame`."""
     apart = float(np.linalg.norm(0.5 * (box[:3] + box[3:]) - where[:3]))
     return apart <= NEAR_M and float(np.linalg.norm(box[3:] - box[:3])) <= LARGER * float(where[3]) + LARGER_M

@@ -22,7 +22,7 @@ from ucon.readers.reader_weights import Array
 PROMPT: Final = Path(__file__).parent / "prompts" / "verify.txt"
 _ANSWERS: Final = ("yes", "no")
 _RELATIONS: Final = {"ontop": "on top of", "inside": "inside", "under": "under", "nextto": "next to"}
-#: Of a pair whose question has no usable answer.
+#: Score of a pair whose question has no usable answer.
 UNKNOWN: Final = 0.5
 
 
@@ -30,7 +30,7 @@ class AskedVerifier:
     """Scores sentences against placements by the probability of ``yes``."""
 
     def __init__(self, language: LanguageModel) -> None:
-        """Take over a language model.
+        """Set the language model.
 
         Args:
             language: one that gives scores.
@@ -56,7 +56,7 @@ class AskedVerifier:
         return self.of_pairs(pairs).reshape(len(texts), len(placements))
 
     def of_pairs(self, pairs: Sequence[tuple[str, Placement]]) -> Array:
-        """As :meth:`scores`, of n pairs: (n,) float64."""
+        """As :meth:`scores`, for n pairs: (n,) float64."""
         answers = self._language.answer([self._question(*pair) for pair in pairs])
         return np.array([np.exp(answer.scores[0]) if answer.scores else UNKNOWN for answer in answers])
 

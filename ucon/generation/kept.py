@@ -18,11 +18,11 @@ from ucon.habits.verdicts import Triple, Verdict, Verdicts
 from ucon.task.making.placeable import refusal
 
 Tried = dict[Triple, str | None]
-"""Why one home refuses a triple, by triple; None where it takes it."""
+"""Why one home refuses a triple, by triple; None where it accepts it."""
 
 
 def tried(dataset: HabitDataset, *, workers: int = 2, progress: Progress | None = None) -> Verdicts:
-    """Verdicts on all placements of a dataset by trying them; known ones are not tried again.
+    """Verdicts on all placements of a dataset, found by trying them; those with a known verdict are not tried again.
 
     An anchor that a home lacks is put at as many places as instances of an existing anchor are tried.
 

@@ -5,7 +5,7 @@ sentence (log-odds of the anchor against its usual frequency, of "no place", of 
 sentence and anchor. Its weights are made by ``python -m ucon data fit-verifier``. The object's name is not an input: it
 says which places are usual, not what the sentence says.
 
-No label is changed: labels that the text does not confirm are listed for a person.
+No label is changed: labels that the text does not confirm are listed for a person to check.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class Verifier:
     """Scores sentences against placements."""
 
     def __init__(self, arrays: Mapping[str, NDArray], sha256: str = "", pairs: PairReader | None = None) -> None:
-        """Take over the weights.
+        """Set the weights.
 
         Args:
             arrays: those of the evidence reader, ``frequency`` (A,) of its anchors, and ``head`` (inputs + 1,).

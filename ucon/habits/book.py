@@ -45,7 +45,7 @@ BOOK_FOLDER: Final = Path(__file__).parent / "book"
 BOOK_FILE: Final = Path(__file__).parent / "data" / "book.habits.xz"
 """The book as ``python -m ucon habits build`` makes it from the text: entries with PyBullet's verdicts."""
 CONTEXTS_FOLDER: Final = Path(__file__).parent / "book_contexts"
-"""Text of the book's second part, whose placements contradict each other by context."""
+"""Text of the book's second part, whose placements differ by context."""
 CONTEXTS_FILE: Final = Path(__file__).parent / "data" / "contexts.habits.xz"
 ANCHORS: Final = "anchors.txt"
 #: Most faults of a dataset that one error lists.
@@ -100,7 +100,7 @@ class Faults:
         """Raise an error if there are faults.
 
         Raises:
-            DataError: one fault a line, at most the first ``MOST_TOLD``.
+            DataError: one fault per line, at most the first ``MOST_TOLD``.
         """
         if len(self.found) == 1:
             raise DataError(self.found[0])
@@ -321,11 +321,11 @@ def book() -> HabitDataset:
 
 @cache
 def contexts_book() -> HabitDataset:
-    """The shipped book with its second part, entries whose placements contradict each other by context; read once.
+    """The shipped book with its second part, entries whose placements differ by context; read once.
 
-    The second part takes the place of all other entries of its categories, so that whoever is asked about such a thing
-    has one household with several places for it. Its entries are of the parts val (categories of val) and test (all
-    others): nothing learns from them.
+    The second part takes the place of all other entries of its categories, so that a household has several places for
+    each such thing. Its entries belong to the parts val (categories of val) and test (all others): nothing is trained
+    on them.
     """
     first, second = book(), load_dataset_file(CONTEXTS_FILE, verified=True)
     own = set(second.categories)
@@ -340,7 +340,7 @@ def contexts_book() -> HabitDataset:
 
 
 def _pickled(dataset: HabitDataset) -> Any:
-    """Pickles name the shipped books, which every installation has; other datasets they hold."""
+    """Pickle the shipped books by name, since every installation has them, and other datasets by content."""
     if is_the_one(book, dataset):
         return the_book, (dataset.sha256,)
     if is_the_one(contexts_book, dataset):

@@ -1,4 +1,4 @@
-"""Contexts: the day, hour, season, occasion or user for which a household keeps a thing elsewhere.
+"""Contexts: the day, hour, season, occasion or user for which a household keeps a thing in another place.
 
 The book's contexts are free text. ``data/contexts.txt`` maps each of them, reviewed by hand, to conditions:
 
@@ -90,7 +90,7 @@ class Condition:
         return self.occasion is None or self.occasion == context.occasion
 
     def excludes(self, other: Condition) -> bool:
-        """Whether no context can fulfil both conditions. Of occasions an episode has one at most."""
+        """Whether no context can fulfil both conditions. An episode has at most one occasion."""
         if self.days is not None and other.days is not None and not self.days & other.days:
             return True
         if self.seasons is not None and other.seasons is not None and not self.seasons & other.seasons:
@@ -114,8 +114,8 @@ class Context:
         hour: 0 to 23.
         season: of :data:`SEASONS`.
         occasion: such as ``guests/visit``, or None.
-        asker: household of the entry that the target's placement follows.
-        user: who of that household asks, where its placements depend on it; else None.
+        asker: household of the entry that decides the target's placement.
+        user: the person of that household who asks, if its placements depend on that; else None.
 
     Raises:
         ConfigError: a value outside the calendar, an occasion of no known group, or a text that cannot be shown.
@@ -129,7 +129,7 @@ class Context:
     user: str | None = None
 
     def __post_init__(self) -> None:
-        """Refuse what is on no calendar."""
+        """Refuse values that are on no calendar."""
         for name, value, most in (("day", self.day, 6), ("hour", self.hour, 23)):
             if type(value) is not int or not 0 <= value <= most:
                 raise ConfigError(f"context: {name} {brief(value)}, expected 0 to {most}")

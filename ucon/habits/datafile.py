@@ -1,7 +1,7 @@
 """Dataset files: one compressed, versioned, checksummed file holds entries, support labels and verdicts.
 
-The first line is a header with counts and the SHA-256 of the rest; then one line an entry, then one line of verdicts.
-Equal datasets give equal bytes. Loading takes a fraction of a second, where parsing the book's text takes longer.
+The first line is a header with counts and the SHA-256 of the rest; then one line per entry, then one of verdicts.
+Equal datasets give equal bytes. Loading takes a fraction of a second; parsing the book's text takes longer.
 """
 
 from __future__ import annotations
@@ -150,7 +150,7 @@ def _entry(row: str, where: str) -> Entry:
 
 
 def _check(path: Path, entries: tuple[Entry, ...], categories: Collection[str] | None) -> None:
-    """Check all entries against the rules. Which relations an anchor allows is known only from the text."""
+    """Check all entries against the rules, except which relations an anchor allows: only the text says that."""
     names = {p.anchor for entry in entries for p in entry.placements} if categories is None else categories
     anchors = dict.fromkeys(names, frozenset[str](RELATIONS))
     seen: set[str] = set()

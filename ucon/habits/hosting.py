@@ -10,9 +10,9 @@ from ucon.habits.splits import Split, entry_filter
 from ucon.habits.types import Entry, HabitDataset, Placement
 from ucon.habits.verdicts import NO_VERDICTS, Verdicts
 
-#: Realisable placements that an entry with several needs to be hosted.
+#: Number of realisable placements that an entry with several needs to be hosted.
 MIN_REALISABLE = 2
-#: Probability of 1, 2 and 3 entries a category: 2.3 in the mean.
+#: Probability of 1, 2 and 3 entries per category: 2.3 on average.
 N_ENTRIES_P = (0.15, 0.40, 0.45)
 
 
@@ -48,7 +48,7 @@ def hosted(
         entries: of a dataset or household.
         anchors_present: categories in the home.
         importable: whether a missing anchor can be added.
-        home: its name; ``verdicts`` of this very home come first.
+        home: its name; ``verdicts`` of this home take precedence.
         verdicts: of validation; a placement they refuse is not realisable.
     """
     can = dict.fromkeys(anchors_present, True)
@@ -75,8 +75,8 @@ def household(
 ) -> dict[str, tuple[Entry, ...]]:
     """The household of a home: 1 to 3 entries for each category, drawn by the home's name.
 
-    Entries bound to scenes are not drawn: a named scene and its variants have all of theirs, other homes use those of
-    one scene, chosen by the home's name.
+    Entries bound to scenes are not drawn: a named scene and its variants have all entries of the scene, other homes all
+    entries of one scene, chosen by the home's name.
 
     Args:
         home: its name.

@@ -20,7 +20,7 @@ from ucon.habits.types import Entry, HabitDataset
 
 Mode = Literal["category", "task"]
 MODES: tuple[Mode, ...] = ("category", "task")
-#: Knowledge bases in row order that are kept of a dataset; what retrievers index of them lives as long.
+#: Knowledge bases in row order that are cached per dataset; retrievers' indexes of them live as long.
 _KEPT: Final = 8
 
 
@@ -44,7 +44,7 @@ class KnowledgeBase(Shared):
             dataset: the habits.
             drawn: entries by category.
             seed: of the order, and of the choice in mode ``task``.
-            mode: ``category`` takes all entries, ``task`` one a category; :attr:`entries` says which.
+            mode: ``category`` takes all entries, ``task`` one per category; :attr:`entries` says which.
 
         Raises:
             ConfigError: an unknown mode, or no entry.
@@ -73,7 +73,7 @@ class KnowledgeBase(Shared):
 
     @cached_property
     def in_order(self) -> InOrder:
-        """The same rows in ascending order: what is indexed, since episodes shuffle the same rows anew."""
+        """The same rows in ascending order. Retrievers index these, since each episode shuffles the same rows again."""
         order = np.argsort(self.rows, kind="stable")
         rows = self.rows[order]
         key = hashlib.blake2b(rows.tobytes(), digest_size=16).digest()
@@ -117,7 +117,7 @@ class InOrder(Shared):
 
     base: KnowledgeBase
     order: NDArray[np.int64]
-    """(N,) place in the shuffled knowledge base of each row of ``base``."""
+    """(N,) position of each row of ``base`` in the shuffled knowledge base."""
 
     def shuffled(self, values: NDArray[Any]) -> NDArray[Any]:
         """Values (N, ...) of the rows of ``base``, in the shuffled order."""

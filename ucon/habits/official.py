@@ -81,7 +81,7 @@ class ImportReport:
     located: list[Located] = field(default_factory=list)
 
     def left_out(self, habits: int) -> str | None:
-        """One line on what the dataset lacks of the file, and why.
+        """One line on what of the file is missing from the dataset, and why.
 
         Args:
             habits: sentences of the dataset.
@@ -202,7 +202,7 @@ def _target(
     report: ImportReport,
     categories: Collection[str] | None,
 ) -> str | None:
-    """The target's category; a raw file's free name for it gives way to the one that all its locations use."""
+    """The target's category; where a raw file uses a free name, the one that all its locations use replaces it."""
     if plain(told) is None:
         report.add(where, f"basic_object_name is {_fault(told)}, expected the target's category")
         return None
@@ -283,7 +283,7 @@ def _placement_fault(
 
 
 def _fault(value: Any) -> str:
-    """What a value is that should be a text."""
+    """Describes a value that should be a text, for messages."""
     if not isinstance(value, str):
         return kind(value)
     return f"'{brief(value)}' with a character that cannot be shown" if value.strip() else "empty"

@@ -74,7 +74,7 @@ def default_file(folder: Path) -> Path:
 
 
 def categories_in(folder: Path, scenes: Collection[str]) -> dict[str, tuple[str, ...]]:
-    """Categories in each scene, by the list that the release keeps beside its tasks.
+    """Categories in each scene, from the list that the release keeps next to its tasks.
 
     Args:
         folder: of the tasks.

@@ -1,6 +1,6 @@
 """The rules for entries, shared by the book's parser and every other source of entries.
 
-Each function checks some values. It returns what is wrong, in one line without a place, or None.
+Each function checks some values. It returns what is wrong, in one line without file and position, or None.
 """
 
 from __future__ import annotations

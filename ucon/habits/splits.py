@@ -29,7 +29,7 @@ PARTS_USED: Final[dict[Split, frozenset[Split]]] = {
     "val": frozenset({"val", "train"}),
     "test": frozenset({"test"}),
 }
-"""By part of the episodes: the parts of the entries they may use. Validation may use training entries too."""
+"""For each part of episodes, the parts whose entries they may use. Validation may use training entries too."""
 
 _PARTS: WeakKeyDictionary[HabitDataset, dict[str, Split]] = WeakKeyDictionary()
 

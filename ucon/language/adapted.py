@@ -18,7 +18,7 @@ class AdaptedMiniLM(MiniLM):
         """Choose adapter and weights; nothing is read yet.
 
         Args:
-            adapter: a safetensors file beside its manifest.
+            adapter: a safetensors file next to its manifest.
             folder: of the weights; see :class:`MiniLM`.
             check: verify the SHA-256 of the weights.
             progress: called with (texts done, texts in all).

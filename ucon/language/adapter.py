@@ -86,7 +86,7 @@ def merge(model: nn.Module, adapter: Mapping[str, Tensor], where: str = "adapter
     if set(adapter) != wanted:
         odd = ", ".join(map(brief, sorted(set(adapter) ^ wanted)[:3]))
         raise DataError(f"{where}: not an adapter of this encoder ({odd}); use the encoder it was made for")
-    for name, module in maps.items():  # all of them before any is added
+    for name, module in maps.items():  # check all before adding any
         down, up = adapter[f"{name}.down"].shape, adapter[f"{name}.up"].shape
         if (up[:1], down[1:]) != (module.weight.shape[:1], module.weight.shape[1:]) or up[1:] != down[:1]:
             raise DataError(f"{where}: {name} does not fit {tuple(module.weight.shape)}; use its own encoder")

@@ -12,7 +12,7 @@ from torch import Tensor
 from ucon.core.device import cpu_precision
 
 CHUNK = 40
-"""Texts of one pass. Texts are sorted by length, so that there is little padding."""
+"""Texts per pass. Texts are sorted by length, so that there is little padding."""
 MAX_TOKENS = 64
 
 
@@ -20,7 +20,7 @@ class BatchEncoder:
     """Encodes many texts at once, with gradients. The last bits depend on the batch, so it is for training only."""
 
     def __init__(self, tokenizer: Any, model: Any, precision: torch.dtype) -> None:
-        """Take over tokenizer and model.
+        """Set tokenizer and model.
 
         Args:
             tokenizer: of transformers.
@@ -50,7 +50,7 @@ class BatchEncoder:
         return torch.cat(parts)[place]
 
     def _masked(self, ids: list[list[int]], share: float, rng: np.random.Generator) -> list[list[int]]:
-        """``ids`` with tokens between the first and the last of each text (its marks) masked."""
+        """``ids`` with a share of tokens masked, but never a text's first and last (its special tokens)."""
         mask, out = self._tokenizer.mask_token_id, []
         for one in ids:
             hide = rng.random(len(one)) < share

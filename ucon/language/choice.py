@@ -31,9 +31,9 @@ class Option:
     """One of the possible answers."""
 
     name: str
-    """The answer itself: ``front``, ``90``, ``sofa``. Names in one question differ."""
+    """The answer itself: ``front``, ``90``, ``sofa``. Unique within a question."""
     labels: tuple[str, ...] = ()
-    """Categories, with spaces, of the things there; for models that compare texts."""
+    """Categories, with spaces, of the things at this option; for models that compare texts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,9 +55,9 @@ class Question:
     images: tuple[Image, ...] = ()
     """For vision-language models."""
     listed: Callable[[Sequence[int]], str] | None = None
-    """The user message with the options in another order, given as their numbers; None where it lists none."""
+    """Gives the user message with the options in another order (their numbers); None where it lists no options."""
     things: tuple[str, ...] = ()
-    """Where the question is which option is kept at a place (L3MVN): categories of the things there, with spaces."""
+    """For questions about which option is kept at a place (L3MVN): categories of the things there, with spaces."""
     weights: tuple[float, ...] = ()
     """How much each habit counts in the context that the agent was told, for models that compare texts; empty where
     none was told. Models that read prose find the context in ``system``."""
@@ -120,7 +120,7 @@ class LanguageModel(Protocol):
         """Answer a batch of questions.
 
         Returns:
-            One answer a question, in order. A model's or server's failure is an answer without a choice, never an
+            One answer per question, in order. A model's or server's failure is an answer without a choice, never an
                 exception.
         """
         ...

@@ -1,7 +1,7 @@
 """Detects whether habits are English: the shipped encoder and word tables know no other language.
 
 It is a cheap rule for a warning only. A sentence looks English if most of its letters are ASCII and at least one word
-in four is an English function word. About 1 in 100 habits of the book and 3 in 100 of the official release do not.
+in four is an English function word. About 1 in 100 habits of the book and 3 in 100 of the official release fail it.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from ucon.language.words import STOP_WORDS
 
 _ASCII_SHARE: Final = 0.7
 _SMALL_WORDS: Final = 1 / 4
-#: Most sentences of a dataset that are tested, spread evenly over it.
+#: Largest number of sentences of a dataset that are tested, spread evenly over it.
 _SAMPLE: Final = 400
 _WORD: Final = re.compile(r"[^\W\d_]+")
 

@@ -8,7 +8,7 @@ from typing import Final
 
 from ucon.language.servers.answers import json_object, without_thoughts
 
-#: Longer texts are no answers.
+#: Texts with more characters do not count as answers.
 _MOST_CHARACTERS: Final = 500
 #: Numbers keep their sign: turning by -90 is not turning by 90.
 _WORD: Final = re.compile(r"[+-]?\d+(?:\.\d+)?|\w+")
@@ -62,14 +62,14 @@ def named(text: str, names: Sequence[str]) -> int:
 
 
 def _mentioned(said: Words, options: Sequence[Words]) -> list[int]:
-    """Options whose words stand in the text, less mentions inside a longer one's: "sofa bed" is no "sofa"."""
+    """Options whose words occur in the text outside the name of a longer option: "sofa bed" is no "sofa"."""
     spans = [(start, start + len(option), i) for i, option in enumerate(options) for start in _places(option, said)]
     widest = [(a, b, i) for a, b, i in spans if not any(c <= a and b <= d and d - c > b - a for c, d, _ in spans)]
     return sorted({i for _, _, i in widest})
 
 
 def _parts(said: Words, options: Sequence[Words]) -> list[int]:
-    """Options of whose words the text is a part: "bed" for "sofa bed"."""
+    """Options whose words contain the text: "bed" for "sofa bed"."""
     return [i for i, option in enumerate(options) if said and _places(said, option)]
 
 

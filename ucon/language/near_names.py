@@ -1,4 +1,4 @@
-"""Categories that a word may have meant: by its spelling, and by its meaning."""
+"""Categories that an unknown word may stand for, by spelling and by meaning."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ucon.objects.catalogue import catalogue
 
 #: Least cosine of two names that are near in meaning.
 _NEAR: Final = 0.45
-#: Similarity of spelling, as difflib measures it, from which a word counts as misspelt: it has no meaning of its own.
+#: Similarity of spelling (by difflib) from which a word counts as misspelt; its meaning is then not looked up.
 _MISSPELT: Final = 0.83
 #: Longest word that is encoded.
 _LONGEST: Final = 60
@@ -25,8 +25,8 @@ def near_in_meaning(word: str, n: int = 3) -> tuple[str, ...]:
     """Categories of the catalogue whose names mean something like a word, nearest first.
 
     Args:
-        word: one that is no category.
-        n: most names.
+        word: a word that is no category.
+        n: largest number of names.
 
     Returns:
         Names; () where none is near, or the sentence encoder is not installed.
@@ -44,7 +44,7 @@ def unknown_category(kind: str, name: str) -> str:
     """The message for a name that is no category, with those near in spelling or in meaning.
 
     Args:
-        kind: what the name is of, such as ``object``.
+        kind: what the name should denote, such as ``object``.
         name: the unknown name.
     """
     names = catalogue().names

@@ -73,7 +73,7 @@ class PairReader:
     """Computes pair features."""
 
     def __init__(self, encoder: StoredEncoder, words: WordVectors, lexicon: Lexicon) -> None:
-        """Take over the tables.
+        """Set the tables.
 
         Args:
             encoder: of sentences.

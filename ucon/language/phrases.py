@@ -18,6 +18,6 @@ def query_text(target: str, told: str = "") -> str:
 
     Args:
         target: the category.
-        told: what is added to it, such as ``when there is film night``.
+        told: words to add, such as ``when there is film night``.
     """
     return QUERY.format(target=f"{phrase(target)} {told}".rstrip())

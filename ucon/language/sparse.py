@@ -77,7 +77,7 @@ class SparseRows:
             n: expected number of rows.
 
         Returns:
-            None where it is not there, or damaged (with a warning).
+            None if the file is missing or damaged (with a warning).
         """
         try:
             file = read_arrays(read_bounded(path, _MAX_BYTES), _MAX_BYTES)
@@ -92,7 +92,7 @@ class SparseRows:
             return None
 
     def _is_whole(self, n: int) -> bool:
-        """Whether these are ``n`` rows, one after the other to the end."""
+        """Whether the arrays hold exactly ``n`` consecutive rows."""
         types = (self.start.dtype, self.ids.dtype, self.weights.dtype) == (np.int32, np.int32, np.float16)
         if not types or self.start.shape != (n + 1,) or self.ids.ndim != 1 or self.ids.shape != self.weights.shape:
             return False
@@ -115,7 +115,7 @@ class SparseFolder:
 
         Args:
             folder: of the parts.
-            make: from some texts, the number done before and the number of all, to their rows.
+            make: maps some texts, the number of texts done before and the total number to the rows of these texts.
         """
         self._folder, self._make = folder, make
 

@@ -53,7 +53,7 @@ class VectorTable(Shared):
             vectors: (n, dim) float16.
 
         Raises:
-            DataError: their numbers differ.
+            DataError: the numbers of keys and vectors differ.
         """
         if len(keys) != KEY_BYTES * len(vectors):
             raise DataError(f"embedding table: {len(keys) // KEY_BYTES} keys for {len(vectors)} vectors; rebuild it")
@@ -72,7 +72,7 @@ class VectorTable(Shared):
         return self._row.get(text_key(text), -1)
 
     def slice(self, texts: Sequence[str]) -> NDArray[np.float16] | None:
-        """View (n, dim) of the consecutive rows of exactly these n texts; None if there are none."""
+        """View (n, dim) of the consecutive rows of exactly these n texts; None if the table has no such rows."""
         first = self.row(texts[0]) if texts else -1
         if first < 0 or any(self.row(text) != first + i for i, text in enumerate(texts)):
             return None
@@ -111,7 +111,7 @@ class VectorTable(Shared):
 class TextCache:
     """Vectors of one encoder on disk. Files are named by their hash, so a damaged one is noticed and deleted.
 
-    Processes may share a folder: each adds files of its own under a temporary name and renames them.
+    Processes may share a folder: each writes its own files under temporary names and renames them.
     """
 
     def __init__(self, folder: Path, dim: int) -> None:

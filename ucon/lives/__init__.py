@@ -1,1 +1,1 @@
-"""Lives: days in one home, in which people use and move their things, and a robot is asked for them."""
+"""Lives: days in one home, in which people use and move their things and ask a robot for them."""

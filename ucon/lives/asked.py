@@ -1,4 +1,4 @@
-"""A request of a life as one of the things that a run plays, beside episodes."""
+"""A request of a life in the form in which runs play it, besides episodes."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from ucon.task.episode import Episode
 
 @dataclass(frozen=True)
 class Asked(Shared):
-    """One request. Those of a life are played in order, by one worker.
+    """One request of a life. The requests of a life are played in order, by one worker.
 
     Attributes:
         life: the life.
-        number: of the request, from 0.
+        number: number of the request, from 0.
     """
 
     life: Life
@@ -28,12 +28,12 @@ class Asked(Shared):
 
     @property
     def id(self) -> str:
-        """As the id of its episode."""
+        """The id of its episode."""
         return f"{self.life.id}/{self.number:03d}"
 
     @property
     def hash(self) -> str:
-        """Of its life: what comes before a request decides how it goes."""
+        """Hash of its life, since what comes before a request affects its outcome."""
         return self.life.hash
 
     @property
@@ -57,20 +57,20 @@ def example(asked: Asked, dataset: HabitDataset | None = None) -> Episode:
 
     Args:
         asked: the request.
-        dataset: the habits by which its life was made; by default the habit book with its second part.
+        dataset: the habits with which its life was made; by default the habit book with its second part.
     """
     asking = Asking(asked.life, dataset or contexts_book())
     return asking.episode(asked.number, asking.standing(asked.number, asked.life.dock))
 
 
 def by_life(jobs: Sequence[tuple[int, Asked]]) -> list[list[tuple[int, Asked]]]:
-    """Jobs of each life, in order.
+    """Group jobs by life, in order.
 
     Args:
         jobs: (index, request) pairs; those of a life in the order of their requests.
 
     Raises:
-        EpisodeError: they are not in order.
+        EpisodeError: the requests of a life are not in order.
     """
     groups: dict[str, list[tuple[int, Asked]]] = {}
     for job in jobs:

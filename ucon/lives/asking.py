@@ -1,4 +1,4 @@
-"""Requests of a life as episodes: the home as it is then, and the shortest path from wherever the robot stands."""
+"""Requests of a life as episodes: the home at that time, and the shortest path from wherever the robot stands."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ class Asking(Shared):
 
         Args:
             life: the life.
-            dataset: the habits by which it was made.
-            told: whether habits that change are told on the day of the change, or never.
-            stale: whether those that they replace are still told from then on.
+            dataset: the habits with which it was made.
+            told: whether changed habits are given from the day of the change on, or never.
+            stale: whether the habits that they replace are still given from then on.
 
         Raises:
             EpisodeError: the life was made with other habits.
@@ -47,7 +47,7 @@ class Asking(Shared):
         self._eyes = RasterRenderer(fov_deg=self._rules.fov_deg, counting_fov_deg=self._rules.fov_deg)
 
     def told_entries(self, day: int) -> tuple[tuple[str, int], ...]:
-        """Ids of the entries whose habits were told until a day, each with the day on which they were."""
+        """Ids of the entries whose habits are given on a day, each with the day on which they were first given."""
         life, since = self.life, self.life.change_day
         changed = since is not None and day >= since
         kept = [one for one in life.possessions if self._stale or not (changed and one.later)]
@@ -58,7 +58,7 @@ class Asking(Shared):
         return tuple(found)
 
     def obeys(self, number: int) -> bool:
-        """Whether a sentence that was told until a request speaks for the place of what is asked for."""
+        """Whether a sentence that is given at a request supports the place where the requested thing is."""
         asked = self.life.requests[number]
         told = dict(self.told_entries(day_and_slot(asked.time)[0]))
         for name, index in self.timeline.place(asked.possession, asked.time).origins:
@@ -68,9 +68,9 @@ class Asking(Shared):
         return False
 
     def standing(self, number: int, at: Start) -> Start:
-        """Where the robot stands at a request: where it stopped, if it can go from there to its dock, else beside it.
+        """Where the robot stands at a request: where it stopped, or the nearest node connected to its dock.
 
-        Something may have been put there since, or in its only way out of a corner.
+        Since it stopped, something may have been put there, or on the only way out of a corner.
         """
         free = SceneState(self.house, self.timeline.arrangement(self.life.requests[number].time)).free
         home = distances(free, [(self.life.dock.i, self.life.dock.j)]) >= 0
@@ -84,14 +84,14 @@ class Asking(Shared):
     def episode(self, number: int, start: Start) -> Episode:
         """A request as an episode, with a shortest solution.
 
-        A path counts as one move at least: a robot may stand before what it is asked for.
+        The shortest path counts as at least one move, since the robot may already stand before the requested thing.
 
         Args:
-            number: of the request.
+            number: number of the request.
             start: where the robot stands, a free node.
 
         Raises:
-            EpisodeError: the request cannot be met from there.
+            EpisodeError: the request cannot be met from this node.
         """
         life, asked = self.life, self.life.requests[number]
         day, slot = day_and_slot(asked.time)

@@ -1,4 +1,4 @@
-"""Checks of a life's data: those that need no home, and those that do."""
+"""Checks of a life's data: those that need no home, and those that need it."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ def check_life(life: Any, where: str) -> None:
     """Refuse a life whose data cannot be right in any home.
 
     Args:
-        life: a :class:`ucon.lives.life.Life`, whose module calls this one.
+        life: a :class:`ucon.lives.life.Life` (not in the signature: that module imports this one).
         where: names file and line in the error.
 
     Raises:
-        EpisodeError: naming the first wrong field and what was expected.
+        EpisodeError: names the first wrong field and what was expected.
     """
     for name in _TEXTS:
         expect(_is_text(getattr(life, name)), where, name, getattr(life, name), "a text")
@@ -112,7 +112,8 @@ def check_life_home(life: Any, house: House) -> None:
         house: the compiled home of its ``scene``.
 
     Raises:
-        EpisodeError: it was made for another version of the home, or names a node or instance that the home lacks.
+        EpisodeError: the life was made for another version of the home, or names a node or instance that the home
+            lacks.
     """
     where = f"life {life.id}"
     if house.spec.hash != life.home_hash:

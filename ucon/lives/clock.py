@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-#: Slots of a day, and the hour at which each of them is.
+#: Slots of a day, with the hour of each.
 SLOTS: Final = {"morning": 8, "midday": 13, "evening": 19}
 SLOT_NAMES: Final = tuple(SLOTS)
 HOURS: Final = tuple(SLOTS.values())
@@ -38,8 +38,8 @@ def weekday_of(day: int, first_weekday: int) -> int:
     """Weekday, 0 (Monday) to 6.
 
     Args:
-        day: of the life, from 0.
-        first_weekday: of day 0.
+        day: day of the life, from 0.
+        first_weekday: weekday of day 0.
     """
     return (first_weekday + day) % _WEEK
 
@@ -53,7 +53,7 @@ def weekends(times: NDArray[np.int64], first_weekday: int) -> NDArray[np.bool_]:
     """Which times (see :func:`time_of`) are at a weekend.
 
     Args:
-        times: any number of them.
-        first_weekday: of day 0.
+        times: times in an array of any shape.
+        first_weekday: weekday of day 0.
     """
     return (first_weekday + times // N_SLOTS) % _WEEK >= _WEEKEND

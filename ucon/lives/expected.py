@@ -1,7 +1,7 @@
-"""Where a possession is expected by the rules of use: what an observer could know who knows all habits to the letter.
+"""Where a possession is to be expected: what an observer could know who knows all habits and rules of use exactly.
 
-Such an observer knows who keeps the thing how, how often things are used and mislaid, and where it was last seen, but
-nothing that happened since. Privileged: no agent is told these rules.
+Such an observer knows how each person keeps the thing, how often things are used and mislaid, and where it was last
+seen, but nothing that has happened since. Privileged: no agent is given these rules.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ def expected_places(
 
     Args:
         life: the life.
-        dataset: of its entries.
-        possession: its number.
-        time: of the request.
-        seen: time and place at which it was last seen; None: never, so it is where it was put on the evening before.
+        dataset: the habits with which the life was made.
+        possession: number of the possession.
+        time: time of the request.
+        seen: time and place at which it was last seen; None: never, so it began where its first entries keep it.
     """
     places = life.possessions[possession].places
     if seen is None:
@@ -44,7 +44,7 @@ def expected_places(
 
 
 def _put(life: Life, dataset: HabitDataset, possession: int, time: int) -> tuple[Array, float]:
-    """Where a possession is put that is used at a time (P,), and the probability that it stays where it is."""
+    """Probability (P,) of where a possession used at a time is put, and the probability that it stays where it is."""
     places, (day, slot) = life.possessions[possession].places, day_and_slot(time)
     strays = np.array([not place.origins for place in places], np.float64)
     mistaken = MISTAKEN if strays.any() else 0.0

@@ -1,7 +1,7 @@
 """A life: days in one home as plain data, made once, checked once, stored and replayed.
 
-Every possession has a few places in the home, settled when the life was made; at any time it is at one of them, and any
-choice of one place for each fits together. So the home at any time is known without simulating anything.
+Every possession has a few places in the home, fixed when the life was made. At any time it is at one of them, and any
+choice of one place for each possession fits together. So the home at any time is known without any simulation.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ class Place:
     """One place of a possession.
 
     Attributes:
-        object: the possession there; its ``anchor`` and ``holder`` are instances of the home or fixed objects.
+        object: the possession at this place; its ``anchor`` and ``holder`` are instances of the home or fixed objects.
         blocked: nodes of the grid that it blocks there.
-        origins: (entry id, index of the placement) that name it; () for a place where things are left by mistake.
+        origins: placements that name this place, as (entry id, placement index); () for a place used by mistake only.
     """
 
     object: PlacedObject
@@ -44,9 +44,9 @@ class Possession:
     """A thing of the household, the only one of its category in the home.
 
     Attributes:
-        category: of the thing.
-        entries: ids of its entries, by which it is kept at first; user u goes by number ``u % len(entries)``.
-        later: ids of its entries from the day of the change on; () where nothing changes.
+        category: category of the thing.
+        entries: ids of the entries by which it is kept at first; user u follows number ``u % len(entries)``.
+        later: ids of its entries from the day of the change on; () if nothing changes.
         places: where it may be.
     """
 
@@ -62,7 +62,7 @@ class Move:
 
     Attributes:
         time: see :func:`ucon.lives.clock.time_of`.
-        possession: its number.
+        possession: number of the possession.
         place: number of the place.
         user: who put it there; -1 for a mistake.
     """
@@ -79,9 +79,9 @@ class Request:
 
     Attributes:
         time: see :func:`ucon.lives.clock.time_of`.
-        possession: its number.
+        possession: number of the possession.
         user: who asks.
-        person: name of the person, where placements of the user's entry depend on one.
+        person: name of the person, if placements of the user's entry depend on a person.
     """
 
     time: int
@@ -92,7 +92,7 @@ class Request:
 
 @dataclass(frozen=True)
 class Life(Shared):
-    """Days in one home. All of it is privileged but the clock and what is told."""
+    """Days in one home. Everything except the clock and the habits given is privileged."""
 
     id: str
     scene: str
@@ -107,7 +107,7 @@ class Life(Shared):
     """Rule set under which every request can be met."""
     seed: int
     split: str
-    """Label of its part of a set."""
+    """Label of the group within its set."""
     days: int
     users: int
     """Number of people, 1 to 3."""
@@ -115,24 +115,24 @@ class Life(Shared):
     """Weekday of day 0: 0 (Monday) to 6."""
     season: str
     occasions: tuple[tuple[int, str], ...]
-    """(day, occasion) of the days that have one."""
+    """(day, occasion) for each day that has an occasion."""
     change_day: int | None
-    """Day on whose morning the possessions with ``later`` entries change over to them; None: nothing changes."""
+    """Day on whose morning possessions with ``later`` entries change to these; None: nothing changes."""
     removed: tuple[int, ...]
-    """Instances of the home that are removed: its own of the possessions' categories."""
+    """Instances that are removed from the home: its own items of the possessions' categories."""
     fixed: tuple[PlacedObject, ...]
     """Anchors that were added to the home; they never move."""
     fixed_blocked: tuple[tuple[int, int], ...]
-    """Nodes of the grid that they block."""
+    """Nodes of the grid that the fixed objects block."""
     dock: Start
     """Where the robot stands every morning."""
     possessions: tuple[Possession, ...]
     at_first: tuple[int, ...]
     """Place of each possession before the first morning."""
     moves: tuple[Move, ...]
-    """In the order of time."""
+    """Moves in order of time."""
     requests: tuple[Request, ...]
-    """In the order of time."""
+    """Requests in order of time."""
 
     @cached_property
     def hash(self) -> str:
@@ -165,7 +165,7 @@ class Life(Shared):
             day: from 0.
             slot: 0 to 2.
             asker: household of the entry.
-            person: of that household; None where its placements depend on nobody.
+            person: person of that household; None if its placements depend on nobody.
         """
         return Context(self.weekday(day), HOURS[slot], self.season, self.occasion(day), asker, person)
 

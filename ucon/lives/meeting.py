@@ -1,4 +1,4 @@
-"""Whether two things at their places would touch, by the boxes around their parts."""
+"""Whether two things at their places would touch, judged by the boxes around their parts."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def object_boxes(placed: PlacedObject) -> Boxes:
 
 
 def meet(a: Boxes, b: Boxes, gap_m: float = 0.0) -> bool:
-    """Whether a box of one list is nearer than a gap to one of the other.
+    """Whether a box of one list is closer than a gap to a box of the other.
 
     Args:
         a: (n, 6) metres.

@@ -1,4 +1,4 @@
-"""What a request of a life has beside an episode's record: when it was, and what the robot could know."""
+"""What the record of a request has besides an episode's: when the request was, and what the robot could know."""
 
 from __future__ import annotations
 
@@ -8,24 +8,24 @@ from typing import Any
 
 @dataclass(frozen=True)
 class LifeFacts:
-    """One request within a life. Privileged, for tables alone."""
+    """One request within a life. Privileged, for tables only."""
 
     life: str
     """Id of the life."""
     request: int
     """Number of the request in the life, from 0."""
     day: int
-    """From 0."""
+    """Day of the life, from 0."""
     slot: int
     """0: morning, 1: midday, 2: evening."""
     seen_days_ago: float | None
     """Days since the robot last saw the thing, in thirds (slots); None: never."""
     moved: bool | None
-    """Whether it is elsewhere than the robot last saw it; None: never seen."""
+    """Whether the thing is now elsewhere than where the robot last saw it; None: never seen."""
     obeys: bool
-    """Whether its place is one that a told sentence's entry names."""
+    """Whether a sentence given to the agent supports the place where the thing is."""
     changed: bool
-    """Whether its habits have changed."""
+    """Whether the habits of the thing have changed."""
 
     def to_json(self) -> dict[str, Any]:
         """The facts as JSON data."""
@@ -34,10 +34,10 @@ class LifeFacts:
 
 @dataclass(frozen=True)
 class BelievedPlace:
-    """One place where a robot held a thing to be, before it went to look."""
+    """One place where a robot believed a thing to be, before it went to look."""
 
     words: str
-    """The place in words, such as ``on the countertop, beside the sink``; "" where it has no name for it."""
+    """The place in words, such as ``on the countertop, beside the sink``; "" if the robot cannot name it."""
     p: float
     """Its probability."""
     x: float

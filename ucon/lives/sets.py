@@ -1,4 +1,4 @@
-"""Sets of lives: compressed JSON lines, one life a line, verified against a SHA-256 manifest."""
+"""Sets of lives: compressed JSON lines, one life per line, verified against a SHA-256 manifest."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ucon.task.packed_lines import check_name, read_lines, write_lines
 SUFFIX: Final = ".lives.xz"
 #: Folder of the named sets.
 DATA: Final = Path(__file__).parent / "data"
-#: Largest set when unpacked, bytes: some two thousand lives.
+#: Largest set when unpacked, bytes: about two thousand lives.
 _MAX_BYTES: Final = 256 * 2**20
 
 

@@ -1,4 +1,4 @@
-"""Where and when the robot last saw each possession. Privileged: it is for records, not for agents."""
+"""Where and when the robot last saw each possession. Privileged: for records, not for agents."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ucon.task.rules import TaskRules
 
 
 class LastSeen:
-    """Follows one life."""
+    """Tracks what the robot sees in one life."""
 
     def __init__(self, timeline: Timeline) -> None:
         """Start with nothing seen."""
@@ -25,8 +25,8 @@ class LastSeen:
 
         Args:
             counts: (n,) pixels of every instance in the canonical view.
-            time: of the request.
-            rules: say from how many pixels on a thing counts as seen.
+            time: time of the request.
+            rules: say how many pixels of a thing are needed to count as seen.
         """
         first = len(counts) - len(self._time)
         seen = counts[first:] >= rules.done_min_pixels
@@ -38,11 +38,11 @@ class LastSeen:
         return (time, place) if time >= 0 else None
 
     def facts(self, number: int, *, obeys: bool) -> LifeFacts:
-        """What is known of a request before its first frame.
+        """The facts of a request before its first frame.
 
         Args:
-            number: of the request.
-            obeys: whether a told sentence speaks for the place of what is asked for.
+            number: number of the request.
+            obeys: whether a given sentence supports the place where the requested thing is.
         """
         life = self._timeline.life
         asked = life.requests[number]

@@ -25,7 +25,7 @@ class Timeline(Shared):
 
     @cached_property
     def at(self) -> NDArray[np.int16]:
-        """(3 days, K) place of each possession at the requests of each time."""
+        """(3 * days, K) place of each of the K possessions at each time, after the moves of that slot."""
         life = self.life
         found = np.empty((N_SLOTS * life.days, len(life.possessions)), np.int16)
         now, moves = np.array(life.at_first, np.int16), iter(life.moves)

@@ -19,11 +19,11 @@ from ucon.sim.cache import load_house
 
 
 def verify_life(life: Life, dataset: HabitDataset) -> list[str]:
-    """What is wrong with a life; [] where nothing is.
+    """What is wrong with a life; [] if nothing is wrong.
 
     Args:
         life: the life.
-        dataset: the habits by which it was made.
+        dataset: the habits with which it was made.
     """
     try:
         check_life_home(life, load_house(life.scene))
@@ -34,7 +34,7 @@ def verify_life(life: Life, dataset: HabitDataset) -> list[str]:
 
 
 def _meeting(life: Life) -> Iterator[str]:
-    """Possessions of which a place of the one meets a place of the other."""
+    """Pairs of possessions with places that touch each other."""
     boxes = [np.concatenate([object_boxes(place.object) for place in one.places]) for one in life.possessions]
     for (a, mine), (b, others) in combinations(enumerate(boxes), 2):
         if meet(mine, others):
@@ -42,7 +42,7 @@ def _meeting(life: Life) -> Iterator[str]:
 
 
 def _strange_moves(life: Life, dataset: HabitDataset) -> Iterator[str]:
-    """Moves to a place that the user's entry does not name then."""
+    """Moves to a place that the user's entry does not name at that time."""
     for number, move in enumerate(life.moves):
         day, _ = day_and_slot(move.time)
         place = life.possessions[move.possession].places[move.place]
@@ -57,7 +57,7 @@ def _strange_moves(life: Life, dataset: HabitDataset) -> Iterator[str]:
 
 
 def _may_be(life: Life, move: Move, place: Place, entry: Entry) -> bool:
-    """Whether an entry has a placement at this place whose condition may hold at the time of a move, for somebody."""
+    """Whether an entry has a placement at this place whose condition holds for somebody at the time of a move."""
     conditions = [condition_of(text) for one in entry.placements if (text := one.context)]
     people = [None, *sorted({one.user for one in conditions if one.user})]
     contexts = [life.context(*day_and_slot(move.time), entry.household, person) for person in people]

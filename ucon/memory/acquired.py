@@ -1,8 +1,9 @@
-"""Habits that a robot found out itself, as sentences: where a thing was seen, how often of how many times, until when.
+"""Habits that a robot found out itself, as sentences: where a thing was seen, how often, and when last.
 
-A sentence is written where a thing was seen on two days at least since its habits changed last, and in a share of all
-times, if it came there more than once or is nowhere else; what lay there once may have been left there. For a part of
-the week or of the day one is written where that is usual then and not always.
+A sentence is written for a place where a thing was seen on at least two days since its habits last changed, and in a
+certain share of all sightings, if the thing came there more than once or was never seen elsewhere: a thing seen at a
+place only for a while may have been left there by mistake. A sentence about a part of the week or of the day is written
+if the place is usual at these times and less so at others.
 """
 
 from __future__ import annotations
@@ -19,9 +20,9 @@ from ucon.memory.sighting_log import SeenThing
 from ucon.objects.model import Spot
 from ucon.task.spoken import spoken_place
 
-#: Times and days that a thing was seen there, and share of all times, from which on a sentence is written.
+#: Least number of sightings and of days, and least share of all sightings, for a sentence about a place.
 LEAST_TIMES, LEAST_DAYS, LEAST_SHARE = 2, 2, 0.25
-#: The same within a part of the week or of the day, and how much more than always.
+#: Least number and share of sightings within a part of the week or day, and by how much the share exceeds the overall.
 THEN_TIMES, THEN_SHARE, THEN_MORE = 3, 0.7, 0.25
 
 
@@ -30,12 +31,12 @@ class AcquiredHabit(Shared):
     """One habit of one thing.
 
     Attributes:
-        thing: its category.
+        thing: category of the thing.
         spot: relations and anchor categories.
-        when: part of the week or of the day, such as ``in the morning``; "" for always.
-        times: how often the thing was seen there then.
-        of: how often it was seen then.
-        last_day: on which it was last seen there, from 0.
+        when: part of the week or of the day, such as ``in the morning``; "" for any time.
+        times: how often the thing was seen there at such times.
+        of: how often it was seen anywhere at such times.
+        last_day: day on which it was last seen there at such a time, from 0.
     """
 
     thing: str
@@ -47,19 +48,19 @@ class AcquiredHabit(Shared):
 
     @property
     def text(self) -> str:
-        """The habit as a sentence; days count from 1, as people count."""
+        """The habit as a sentence; here days count from 1, as people count them."""
         begins = f"{self.when[0].upper()}{self.when[1:]} the" if self.when else "The"
         often = f"{self.times} of {self.of} times"
         return f"{begins} {phrase(self.thing)} has been {spoken(self.spot)}, {often}, last on day {self.last_day + 1}."
 
 
 def acquired_habits(thing: SeenThing, first: int, first_weekday: int) -> list[AcquiredHabit]:
-    """What the sightings of a thing say of its habits, the surest first.
+    """What the sightings of a thing say about its habits, those seen most often first.
 
     Args:
-        thing: what is known of it.
-        first: number of the first sighting that counts; habits have changed before.
-        first_weekday: of day 0: 0 (Monday) to 6.
+        thing: what is known about the thing.
+        first: number of the first sighting that counts; before it, the habits were different.
+        first_weekday: weekday of day 0: 0 (Monday) to 6.
     """
     seen = _times(thing, first)
     found = []
@@ -77,7 +78,7 @@ def acquired_habits(thing: SeenThing, first: int, first_weekday: int) -> list[Ac
 
 
 def _is_kept(spot: Spot, seen: Sequence[tuple[int, Spot]]) -> bool:
-    """Whether a thing was put to a spot more than once, as far as one can see, or never anywhere else."""
+    """Whether a thing was put at a spot more than once, as far as was seen, or never anywhere else."""
     spots = [here for _, here in seen]
     arrivals = sum(here == spot and before != spot for before, here in pairwise(((), *spots)))
     return arrivals > 1 or set(spots) == {spot}
@@ -88,12 +89,12 @@ def _is_usual(times: int, of: int) -> bool:
 
 
 def _is_usual_then(times: int, of: int, always: float) -> bool:
-    """Whether it is usual in a part of the week or of the day, and more so than it always is (a share)."""
+    """Whether a spot is usual in a part of the week or of the day, and more so than overall (share ``always``)."""
     return times >= THEN_TIMES and times >= THEN_SHARE * of and times / of >= always + THEN_MORE
 
 
 def _times(thing: SeenThing, first: int) -> list[tuple[int, Spot]]:
-    """Time and spot of the sightings that count; one a slot, since nobody moves things within one."""
+    """Time and spot of the sightings that count; one per slot, since nobody moves things within a slot."""
     by_time = {time: thing.spots[place] for time, place in thing.seen[first:]}
     return [(time, spot) for time, spot in by_time.items() if spot]
 

@@ -1,7 +1,7 @@
-"""When each place was last looked at: what was empty then holds a thing only if somebody put it there since.
+"""When each place was last looked at: a place that was empty then holds a thing only if somebody put it there since.
 
-Every place where a thing can be is noted with the time at which the robot last looked at it, and from how near: what
-shows a place well enough for a book does not show it for a key.
+For every place where a thing can be, the robot notes when it last looked at it, and from how near: a look that is near
+enough to show a book is not near enough to show a key.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from ucon.perception.mapping.semantic_map import SemanticMap, camera_of
 from ucon.perception.places.containers import Containers
 from ucon.perception.places.target_places import Places
 
-#: A look counts for things that are seen from so far, by the nearest of these distances that it came within, metres.
+#: Distances from which things are recognised, metres; a look counts for each distance that it came within.
 REACHES_M: Final = (1.2, 1.6, 2.1, 2.8, 3.6, 4.5)
 #: Never looked at.
 NEVER: Final = -1
 
 
 class Looking:
-    """Follows the looks of one robot."""
+    """Tracks where one robot has looked."""
 
     def __init__(self) -> None:
         """Start with nothing looked at."""
@@ -37,10 +37,10 @@ class Looking:
         """Begin a request.
 
         Args:
-            reach_m: from how far the target is recognised.
+            reach_m: from how far the target is recognised, metres.
 
         Returns:
-            Points (m, 4) as :func:`ucon.perception.belief.recalled.points_of` gives them, and times (m,) of the last
+            Points (m, 4) in the form of :func:`ucon.perception.belief.recalled.points_of`, and times (m,) of the last
             looks that would have shown the target there; :data:`NEVER` where there was none.
         """
         self._places, self._near, self._containers = Places(0.1), np.zeros(0), Containers()
@@ -51,7 +51,7 @@ class Looking:
         """Take in a frame.
 
         Args:
-            known: the map with the frame.
+            known: the map, updated with the frame.
             depth: (H, W), metres.
         """
         places = self._places
@@ -67,7 +67,7 @@ class Looking:
         """Note what the request showed.
 
         Args:
-            time: of the request.
+            time: time of the request.
         """
         now = np.flatnonzero(self._places.even > 0.0)
         points = points_of(self._places)[now]
@@ -77,7 +77,7 @@ class Looking:
 
 
 def _carried(points: NDArray[np.float64], when: NDArray[np.int64], to: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Times (m, R) of points as those of others (n, R), which are where they are; NEVER where there is none."""
+    """Times (n, R) for the points ``to``, taken from the earlier points at the same positions; NEVER without one."""
     row, same = nearest(cKDTree(points) if len(points) else None, to)
     found = np.full((len(to), when.shape[1]), NEVER, np.int64)
     found[same] = when[row[same]]

@@ -1,8 +1,8 @@
 """A memory as a file: JSON that a person can read and correct, checked when it is read.
 
-Places are points in metres in the frame of the dock (x ahead, y to the left, z up), with the relation and the anchor by
-which the thing stands there, where these are known. Where the detector errs, sizes are the sides of what was seen at
-each place. Times are texts such as ``day 3, evening`` (days count from 0).
+Places are points in metres in the frame of the dock (x ahead, y to the left, z up), with the relations and anchors of
+the thing there, if known. With a detector that errs there are also sizes: the sides of what was seen at each place.
+Times are texts such as ``day 3, evening`` (days count from 0).
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ from ucon.objects.model import RELATIONS, Spot
 
 #: Version of the stored form.
 FORMAT: Final = 2
-#: Largest file, bytes; most entries of a list (change points are found in the square of that), most days, farthest
+#: Largest file in bytes, most entries of a list (finding change points takes quadratic time), most days, farthest
 #: place in metres.
 _MAX_BYTES, _MOST, _MOST_DAYS, _FARTHEST_M = 16 * 2**20, 2_000, 10_000, 100.0
 _REMEDY = "fix the file, or begin without it"
 
 
 def save_log(log: SightingLog, path: Path, home: str) -> None:
-    """Write a memory; a kill leaves the old file or the new one.
+    """Write a memory; if interrupted, either the old or the new file remains.
 
     Args:
         log: the memory.
-        path: of the file.
+        path: path of the file.
         home: names the home and the dock that places are relative to.
     """
     things = {
@@ -61,11 +61,12 @@ def load_log(path: Path, home: str) -> SightingLog:
     """Read a memory.
 
     Args:
-        path: of the file.
-        home: for which it is read.
+        path: path of the file.
+        home: the home for which it is read.
 
     Raises:
-        DataError: it is no memory, one of another version or another home, or contradicts itself; names what is wrong.
+        DataError: the file is not a memory, is from another version or home, or contradicts itself; names what is
+            wrong.
     """
     data = read_json(path, _REMEDY, max_bytes=_MAX_BYTES)
     if not isinstance(data, dict) or data.keys() != {"format", "home", "things"} or type(data["things"]) is not dict:
@@ -81,7 +82,7 @@ def load_log(path: Path, home: str) -> SightingLog:
 
 
 def log_name(home: str) -> str:
-    """Name of the file of a life's memory.
+    """File name of a life's memory.
 
     Args:
         home: id of the life.

@@ -1,4 +1,4 @@
-"""Looking around before a request ends: what the robot sees then costs no way, and may be asked for next."""
+"""Looking around before a request ends: this needs no moves, and what the robot sees may be asked for next."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ucon.task.rules import PAPER, task_rules
 
 
 class LookingAround:
-    """Turns once where the agent would call Done, then calls it."""
+    """Makes one full turn when the agent would call Done, then calls it."""
 
     def __init__(self) -> None:
         """Start without a request."""
@@ -19,17 +19,17 @@ class LookingAround:
         """Begin a request.
 
         Args:
-            info: of its first frame.
+            info: info of its first frame.
         """
         self._turns, self._turned = 0, False
         self._headings = Body.of(info).headings
         self._most = task_rules(str(info.get("task", PAPER.name))).max_steps
 
     def act(self, action: int, step: int) -> int:
-        """The action that is carried out.
+        """The action to carry out.
 
         Args:
-            action: the agent's.
+            action: the agent's action.
             step: number of the frame in the request, from 0.
         """
         if action == Action.DONE and not self._turned and step + self._headings < self._most:

@@ -23,7 +23,7 @@ class MapMemory:
         self.map: SemanticMap | None = None
 
     def patrol(self, observation: Observation, info: Info) -> int:
-        """Ends it: a map alone asks for no more looks."""
+        """End the patrol at once, since a map alone gives no reason to look."""
         return int(Action.DONE)
 
     def begin(self, info: Info) -> dict[str, Any]:
@@ -36,17 +36,17 @@ class MapMemory:
         return {**info, "kept_map": self.map}
 
     def look(self, observation: Observation, info: Info) -> None:
-        """Check that the agent, which enters its frames in the map, does so.
+        """Check that the agent enters its frames into the map.
 
         Raises:
-            ConfigError: it keeps no map.
+            ConfigError: the agent keeps no map.
         """
         if self.map is None or not self.map.views:
             raise ConfigError(f"memory of {self.name}: this agent keeps no map; leave memory= out")
 
     def act(self, action: int, observation: Observation) -> int:
-        """The agent's action."""
+        """The agent's action, unchanged."""
         return action
 
     def end(self) -> None:
-        """Nothing to do."""
+        """Do nothing."""

@@ -1,7 +1,7 @@
-"""Where a thing stands, in words: the anchors and the relations that a person would name, from the map.
+"""Where a thing stands, in words: the anchors and relations that a person would name, found from the map.
 
-A kettle stands on the countertop, next to the microwave: one holds it, one is near. Of those that the map allows, the
-ones are named by which things of this kind are kept by common sense.
+A kettle stands on the countertop, next to the microwave: one anchor holds it, one is near. Of the anchors and relations
+that the map allows, those are named at which things of this kind are usually kept, by common sense.
 """
 
 from __future__ import annotations
@@ -23,44 +23,44 @@ from ucon.readers.anchor_reader import default_reader
 
 @dataclass(frozen=True)
 class Slack(Shared):
-    """How inexact boxes may be.
+    """Tolerances for inexact boxes.
 
-    Chosen for a detector that errs by 2,403 sightings in 5 lives of ``lives_val``: the true relation and anchor are
-    named in .69 of them, and in .60 as with exact boxes.
+    The values for a detector that errs (``INEXACT``) were chosen on 2,403 of its sightings in 5 lives of ``lives_val``:
+    they name the true relation and anchor for .69 of them, the values for exact boxes for .60.
     """
 
     aside_m: float = 0.05
-    """How far beside a box its top still is,"""
+    """How far beyond the sides of a box its top is taken to extend, metres."""
     above_m: float = 0.08
-    """and how far above or below its top a thing stands on it, metres."""
+    """How far above or below the top of a box a thing that stands on it may begin, metres."""
     off_m: float = 0.05
-    """Distance from the top in which the fit falls to a third: a cup stands on the tray, not on the table below."""
+    """Distance from the top, metres, over which the fit falls to a third: a cup is on the tray, not the table below."""
     sunk_m: float = 0.0
-    """A thing that begins so far below the top of another one, metres, is certainly inside."""
+    """A thing that begins this far below the top of another one, metres, is certainly inside it."""
     falls_m: float = 0.25
-    """Distance in which the fit of what is next to a thing falls to a third."""
+    """Distance to an anchor, metres, over which the fit of being next to it falls to a third."""
     looks: int = 0
-    """Sides from which an anchor must have been found to count in full; from fewer it counts by its share of them."""
+    """Sides from which an anchor must have been detected to count in full; with fewer it counts in proportion."""
 
 
 EXACT = Slack()
 INEXACT = Slack(aside_m=0.02, above_m=0.15, off_m=0.1, sunk_m=0.2, falls_m=0.12, looks=5)
-#: What lies on something else begins where that ends, within this, metres.
+#: A thing that lies on another one begins where that one ends, to within this, metres.
 _LAID_M = 0.015
-#: A thing inside another one begins lower than its top, by so much at least, metres: butter on the fridge is not in it.
+#: A thing inside another one begins at least this far below its top, metres: butter on the fridge is not in it.
 _SUNK_M = 0.01
 #: How far away a thing is still next to another one, metres.
 _NEAR_M = 0.6
 #: Fit of a thing within a box without compartments that is not on its top: on one of its lower surfaces.
 _LOWER: Final = 0.4
-#: A thing that begins so near to where another one begins stands under it, or on the same floor, metres.
+#: A thing whose lower side is this close to that of another one is under it, or on the same floor, metres.
 _FLOOR_M = 0.15
 #: Least probability of an anchor and relation by common sense.
 _LEAST = 1e-3
 
 
 def spot_of(known: SemanticMap, target: str, box: NDArray[np.float64]) -> Spot:
-    """The anchors and relations by which a thing stands; () where nothing is near.
+    """The relations and anchors of a thing; () if nothing is near.
 
     Args:
         known: the map.
@@ -89,7 +89,7 @@ def spot_of(known: SemanticMap, target: str, box: NDArray[np.float64]) -> Spot:
 
 
 def _sureness(known: SemanticMap, slack: Slack) -> NDArray[np.float64]:
-    """How sure (T,) it is that tracks are there: as the share of the looks that it takes to be sure."""
+    """How certain (T,) it is that tracks exist: the share found of the looks needed to be certain."""
     if known.hypotheses is None or not slack.looks:
         return np.ones(known.n_tracks)
     found, _ = known.hypotheses.support(known.n_tracks)
@@ -99,7 +99,7 @@ def _sureness(known: SemanticMap, slack: Slack) -> NDArray[np.float64]:
 def _is_covered(
     boxes: NDArray[np.float64], anchor: NDArray[np.float64], box: NDArray[np.float64], middle: NDArray[np.float64]
 ) -> bool:
-    """Whether something lies between an anchor's top and a thing above it: a tray, right under the thing."""
+    """Whether something, such as a tray, lies between an anchor's top and a thing above it, right under the thing."""
     over = (middle[:2] >= boxes[:, :2]).all(1) & (middle[:2] <= boxes[:, 3:5]).all(1)
     between = (boxes[:, 2] >= anchor[5] - _LAID_M) & (boxes[:, 5] > anchor[5] + _LAID_M)
     return bool((over & between & (np.abs(box[2] - boxes[:, 5]) <= _LAID_M)).any())
@@ -109,7 +109,7 @@ def _fits(
     offers: NDArray[np.bool_], anchor: NDArray[np.float64], box: NDArray[np.float64], middle: NDArray[np.float64],
     gap_m: float, slack: Slack,
 ) -> list[tuple[int, float]]:  # fmt: skip
-    """Relations in which a thing may stand to an anchor, and how well each fits."""
+    """Relations that a thing may have to an anchor, and how well each fits."""
     found = []
     aside_m = slack.aside_m
     over = bool((middle[:2] >= anchor[:2] - aside_m).all() and (middle[:2] <= anchor[3:5] + aside_m).all())

@@ -1,4 +1,4 @@
-"""A walk through the home on which the robot looks where it knows least: what was asked for before it asks itself."""
+"""A walk on which the robot looks where it is least sure, above all about things that it has been asked for before."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from ucon.perception.belief.recalled import Recalled
 from ucon.search.searcher import Searcher
 from ucon.task.actions import Action
 
-#: Part of the interest that is in the remembered places; the rest is anywhere that was not looked at lately.
+#: Share of the interest that is in remembered places; the rest is in any place that was not looked at lately.
 IN_PLACES: Final = 0.7
-#: The walk ends where no view is worth more.
+#: The walk ends when no view is worth more than this.
 _LEAST_GAIN: Final = 1e-6
 
 
@@ -29,17 +29,17 @@ class Patrol:
         """Begin a walk.
 
         Args:
-            info: of its first frame, with the kept map; nothing is asked for.
+            info: info of its first frame, with the kept map; nothing is asked for.
             recalled: what is worth a look; see :func:`interest`.
         """
         self._searcher = Searcher({**info, "target": "", "recalled": recalled}, Coverage("", CoverageWeights()))
 
     def act(self, observation: Observation, info: Info) -> int:
-        """Take in a frame; the action that follows.
+        """Take in a frame, and return the next action.
 
         Args:
-            observation: of the frame.
-            info: of the frame.
+            observation: observation of the frame.
+            info: info of the frame.
         """
         action = self._searcher.look(observation, info)
         if action is not None:
@@ -54,15 +54,15 @@ def interest(
     log: SightingLog, model: Model, time: int, asked: Mapping[str, int], looked: NDArray[np.float64],
     left: NDArray[np.float64],
 ) -> Recalled:  # fmt: skip
-    """What is worth a look: places of which the robot is unsure, of things that are asked for.
+    """What is worth a look: places where the robot is unsure about a thing, above all about things asked for.
 
     Args:
         log: what was seen.
         model: says where things are.
-        time: of the walk.
+        time: time of the walk.
         asked: how often each thing was asked for.
         looked: (m, 4) points that were looked at before; see :class:`ucon.perception.belief.recalled.Recalled`.
-        left: (m,) what is worth another look there, 0 to 1.
+        left: (m,) how much another look at each point is worth, 0 to 1.
     """
     worth = [np.zeros(0)]
     for name, thing in log.things.items():

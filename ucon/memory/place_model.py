@@ -1,9 +1,9 @@
-"""Where a thing is now, from where it was seen: people use it now and then and put it by their habits.
+"""Where a thing is now, given where it was seen: people use it now and then and put it away by their habits.
 
 In every slot the thing is used with some probability and then put somewhere, independently of where it was. So it is
 where it was last seen unless it was used since, and otherwise where it is usually put. A place that a later look showed
-empty can hold it only by a use after that look. How it is usually put is learned by counts: a sighting counts for the
-context in which it was made, and less for others; those before a change of habits do not count.
+empty can hold it only if it was used after that look. Where it is usually put is learned by counting: a sighting counts
+fully for its own part of the day and week and less for others; sightings before a change of habits do not count.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from ucon.lives.clock import N_SLOTS, weekends
 from ucon.memory.change_points import Array, change_posterior
 from ucon.memory.sighting_log import SeenThing
 
-#: Slots back over which uses are summed; older ones count as one.
+#: Number of past slots over which uses are summed.
 _HORIZON = 60
-#: Change points of less than this probability are left out; most that a change may be probable before anything is seen.
+#: Least probability of a change point that is considered, and largest prior probability of a change.
 _LEAST, _MOST_CHANGED = 1e-3, 0.9
-#: Probability that a request's looks at a place missed a thing there.
+#: Probability that the looks at a place during a request missed a thing there.
 MISS = 0.05
 
 
@@ -36,37 +36,37 @@ class PlaceWeights(Shared):
     """Numbers of the place model.
 
     Fitted on 24 lives of ``lives_train`` (:mod:`ucon.fitting.place_model`; 1,177 requests for things seen before,
-    searched by ``belief``): the mean log-likelihood of the true place is -1.30; by last places it is -2.25, by the most
-    frequent ones -1.66.
+    searched by ``belief``): the mean log-likelihood of the true place is -1.30. With last-seen places it is -2.25, with
+    the most frequent places -1.66.
     """
 
     use: float = 0.3
-    """Probability that a thing is used, and put anew, in a slot."""
+    """Probability that a thing is used, and put somewhere again, in a slot."""
     doubt: float = 0.75
-    """Weight of the told habits and of common sense, as a number of sightings."""
+    """Weight of the given habits and of common sense, as a number of sightings."""
     other_slot: float = 0.6
-    """What a sighting in another slot of the day counts."""
+    """Weight of a sighting in another slot of the day."""
     other_days: float = 0.55
-    """What a sighting on a workday counts for weekends, and the other way round."""
+    """Weight of a sighting on a workday for weekends, and the other way round."""
     change: float = 0.01
     """Probability that the habits of a thing change on a day."""
     news: float = 0.7
-    """Probability that they changed on a day on which new ones were told."""
+    """Probability that the habits of a thing changed on a day on which new ones were given."""
     mistakes: float = 0.02
-    """Probability that people leave a thing anywhere."""
+    """Probability that people leave a thing anywhere by mistake."""
 
     def __post_init__(self) -> None:
         for name in ("use", "other_slot", "other_days", "change", "news", "mistakes"):
             probability(name, getattr(self, name))
-        if not 0.0 < self.doubt < math.inf:  # at 0 nothing would say where a thing is put that was not seen yet
+        if not 0.0 < self.doubt < math.inf:  # 0 would give no prior for a thing not seen yet
             raise ConfigError(f"memory: doubt={brief(self.doubt)}, expected a number above 0")
 
 
 def probability(name: str, value: float) -> float:
-    """The value itself.
+    """Check that a value is a probability, and return it.
 
     Raises:
-        ConfigError: it is not between 0 and 1; names the option.
+        ConfigError: the value is not between 0 and 1; names the option.
     """
     if not 0.0 <= value <= 1.0:
         raise ConfigError(f"memory: {name}={brief(value)}, expected 0 to 1")
@@ -74,12 +74,12 @@ def probability(name: str, value: float) -> float:
 
 
 class Model(Protocol):
-    """Says where a thing is, from what was seen of it."""
+    """Predicts where a thing is, from its sightings."""
 
     name: str
     """Name in tables."""
     uses_habits: bool
-    """Whether it makes something of the days on which habits were told."""
+    """Whether the model uses the days on which habits were given."""
 
     def begin(self, first_weekday: int) -> None:
         """Begin a life; see :meth:`PlaceModel.begin`."""
@@ -98,7 +98,7 @@ class Model(Protocol):
         ...
 
     def valid(self, thing: SeenThing, time: int, told: Collection[int], days: Sequence[int]) -> Array:
-        """Probability (H,) that habits have not changed since they were told; see :meth:`PlaceModel.valid`."""
+        """Probability (H,) that habits have not changed since they were given; see :meth:`PlaceModel.valid`."""
         ...
 
 
@@ -111,7 +111,7 @@ class PlaceModel:
         """Choose weights.
 
         Args:
-            weights: numbers; fitted ones by default.
+            weights: weights of the model; by default the fitted ones.
         """
         self.weights, self._first = weights or PlaceWeights(), 0
 
@@ -119,7 +119,7 @@ class PlaceModel:
         """Begin a life.
 
         Args:
-            first_weekday: of day 0: 0 (Monday) to 6.
+            first_weekday: weekday of day 0: 0 (Monday) to 6.
         """
         self._first = first_weekday
 
@@ -127,19 +127,19 @@ class PlaceModel:
         """Probability (n,) that a thing is at each of its n known places at a time; the rest is elsewhere.
 
         Args:
-            thing: what is known of it.
-            time: of the request.
-            told: days on which new habits of the thing were told.
+            thing: what is known about the thing.
+            time: time of the request.
+            told: days on which new habits of the thing were given.
         """
         n = len(thing.places)
         if not thing.seen:
             return np.zeros(n)
         w = self.weights
         last, at = thing.seen[-1]
-        empty = np.full(n, last)  # a use after this time may have put it to a place
+        empty = np.full(n, last)  # only a use after this time can have put it at a place
         for when, place in thing.absent:
             empty[place] = max(empty[place], when)
-        # By the last use in each slot since it was seen: elsewhere is column n.
+        # Sum over the slot of the last use since it was seen; column n stands for elsewhere.
         slots = np.arange(last + 1, time + 1)[-_HORIZON:]
         chance = w.use * (1.0 - w.use) ** (time - slots)
         put = self.put(thing, slots, time, told)
@@ -155,29 +155,29 @@ class PlaceModel:
         """What is left of the probability of places that were empty: only a use since then can have put a thing there.
 
         Args:
-            when: (m,) slots of the last looks at them; below 0 for none.
+            when: (m,) slots of the last looks at these places; below 0 for none.
             seen: slot in which the thing was last seen anywhere; below 0 for never.
-            time: of the request.
+            time: time of the request.
 
         Returns:
-            (m,) from :data:`MISS` to 1, beside places that were not looked at since the thing was seen.
+            (m,) from :data:`MISS` to 1, relative to places that were not looked at since the thing was seen.
         """
         w = self.weights
         if seen >= time:
             return np.ones(len(when))
         whole = 1.0 if seen < 0 else 1.0 - (1.0 - w.use) ** (time - seen)
         since = 1.0 - (1.0 - w.use) ** (time - np.maximum(when, seen)).astype(np.float64)
-        could = np.where(when <= seen, 1.0, since / max(whole, 1e-12))  # nothing is left where nobody uses things
+        could = np.where(when <= seen, 1.0, since / max(whole, 1e-12))  # 0 if things are never used
         return MISS + (1.0 - MISS) * could
 
     def put(self, thing: SeenThing, slots: NDArray[np.int64], time: int, told: Collection[int] = ()) -> Array:
-        """Where a thing is put that is used in some slots: (S, n + 1) probability of its known places, and of others.
+        """Where a thing is put after a use in some slots: (S, n + 1) probability of its known places, and elsewhere.
 
         Args:
-            thing: what is known of it, seen at least once.
-            slots: (S,) of the uses.
-            time: now.
-            told: days on which new habits of the thing were told.
+            thing: what is known about the thing, which was seen at least once.
+            slots: (S,) slots of the uses.
+            time: current time.
+            told: days on which new habits of the thing were given.
         """
         w, n = self.weights, len(thing.places)
         seen, places = np.array(thing.seen, np.int64).T
@@ -192,12 +192,12 @@ class PlaceModel:
         return found / since[since > _LEAST].sum()
 
     def since(self, thing: SeenThing, time: int, told: Collection[int] = ()) -> Array:
-        """Probability (k + 1,) that the thing has been kept as now since before its sighting number c; 0: always.
+        """Probability (k + 1,), for c = 0 .. k, that the current habits began just before sighting c; 0: no change.
 
         Args:
-            thing: what is known of it, seen k times, at least once.
-            time: now.
-            told: days on which new habits of the thing were told.
+            thing: what is known about the thing, which was seen k times, at least once.
+            time: current time.
+            told: days on which new habits of the thing were given.
         """
         w = self.weights
         seen, places = np.array(thing.seen, np.int64).T
@@ -212,20 +212,20 @@ class PlaceModel:
         return change_posterior(places, stays, counts, changes, w.doubt, w.mistakes)
 
     def first(self, thing: SeenThing, time: int) -> int:
-        """Number of the sighting since which the thing is most probably kept as now; 0 where nothing changed."""
+        """Number of the sighting from which the current habits most probably hold; 0 if nothing changed."""
         return int(self.since(thing, time).argmax()) if thing.seen else 0
 
     def valid(self, thing: SeenThing, time: int, told: Collection[int], days: Sequence[int]) -> Array:
-        """Probability (H,) that habits of a thing have not changed since they were told.
+        """Probability (H,) that habits of a thing have not changed since they were given.
 
         Args:
-            thing: what is known of it.
-            time: now.
-            told: days on which new habits of the thing were told.
-            days: on which each of the H habits was told.
+            thing: what is known about the thing.
+            time: current time.
+            told: days on which new habits of the thing were given.
+            days: day on which each of the H habits was given.
         """
         when = np.array(days, np.int64)
-        # Of news before it was first seen the sightings say nothing.
+        # The sightings say nothing about news from before the thing was first seen.
         first = thing.seen[0][0] // N_SLOTS if thing.seen else time // N_SLOTS
         before_all = max((day for day in told if day <= first), default=0)
         unseen = np.where(when < before_all, 1.0 - self.weights.news, 1.0)
@@ -238,19 +238,19 @@ class PlaceModel:
         return np.asarray((1.0 - stale) * unseen)
 
     def _alike(self, seen: NDArray[np.int64], time: NDArray[np.int64]) -> Array:
-        """What sightings count for other times; arrays that broadcast."""
+        """Weight of sightings for other times; the arrays broadcast."""
         w = self.weights
         value = np.where(seen % N_SLOTS == time % N_SLOTS, 1.0, w.other_slot)
         alike = weekends(seen, self._first) == weekends(time, self._first)
         return np.asarray(value * np.where(alike, 1.0, w.other_days))
 
     def _fresh(self, seen: NDArray[np.int64], places: NDArray[np.int64]) -> Array:
-        """What each sighting adds: at the same place as the one before it may be that nobody used the thing since."""
+        """Weight of each sighting; less at the same place as the one before, since the thing may not have been used."""
         again = np.concatenate([[False], places[1:] == places[:-1]])
         used = 1.0 - (1.0 - self.weights.use) ** np.diff(seen, prepend=0).astype(np.float64)
         return np.where(again, used, 1.0)
 
 
 def _between(thing: SeenThing, time: int) -> list[tuple[int, int]]:
-    """Days of each sighting and of the next one; the last pair ends now."""
+    """For each sighting, its day and that of the next sighting; the last pair ends at the current time."""
     return list(pairwise([when // N_SLOTS for when, _ in thing.seen] + [time // N_SLOTS]))

@@ -1,4 +1,4 @@
-"""The interface of what a robot remembers from one request to the next."""
+"""The interface of a robot's memory from one request to the next."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ Observation = Mapping[str, Any]
 
 
 class Memory(Protocol):
-    """One robot's memory in one home. Around each request of a life :meth:`begin` and :meth:`end` are called."""
+    """One robot's memory in one home. :meth:`begin` and :meth:`end` are called around each request of a life."""
 
     name: str
     """Name in tables."""
     uses_habits: bool
-    """Whether what it says of places depends on the habits that are told, such as on the days of news."""
+    """Whether its beliefs about places depend on the habits given, for example on the days on which they were new."""
     believed: tuple[BelievedPlace, ...] | None
-    """Where it held the target of the running request to be as that began, the likeliest first; None if it remembers no
-    places."""
+    """Places where it believed the target to be when the current request began, the likeliest first; None if it
+    remembers no places."""
 
     def patrol(self, observation: Observation, info: Info) -> int:
-        """The next action of a patrol, after its frame was taken in; the first frame of the day begins it.
+        """Take in a frame of a patrol, and return the next action; the first frame of the day begins the patrol.
 
         Args:
-            observation: of the frame.
-            info: of the frame, with ``patrol``.
+            observation: observation of the frame.
+            info: info of the frame, with ``patrol``.
         """
         ...
 
@@ -35,28 +35,28 @@ class Memory(Protocol):
         """Begin a request.
 
         Args:
-            info: of its first frame.
+            info: info of its first frame.
 
         Returns:
-            The info for the agent's reset, with what the agent may use of the memory.
+            The info for the agent's reset, with the parts of the memory that the agent may use.
         """
         ...
 
     def look(self, observation: Observation, info: Info) -> None:
-        """Take in a frame, after the agent has.
+        """Take in a frame, after the agent has done so.
 
         Args:
-            observation: of the frame.
-            info: of the frame.
+            observation: observation of the frame.
+            info: info of the frame.
         """
         ...
 
     def act(self, action: int, observation: Observation) -> int:
-        """The action that is carried out on a frame.
+        """The action to carry out after a frame.
 
         Args:
-            action: the agent's.
-            observation: of the frame.
+            action: the agent's action.
+            observation: observation of the frame.
         """
         ...
 

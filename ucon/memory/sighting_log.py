@@ -1,6 +1,6 @@
-"""Where things were seen, and where they were looked for in vain: the facts that a robot keeps of its home.
+"""Where things were seen, and where looks did not find them: the facts that a robot keeps about its home.
 
-A thing's places are points in the frame of the dock; sightings within :data:`SAME_M` are of one place. Times count
+A thing's places are points in the frame of the dock; sightings within :data:`SAME_M` belong to one place. Times count
 slots, see :func:`ucon.lives.clock.time_of`.
 """
 
@@ -13,21 +13,21 @@ from numpy.typing import NDArray
 
 from ucon.objects.model import Spot
 
-#: Sightings of a thing nearer to one another than this are of one place, metres.
+#: Sightings of a thing this close together belong to one place, metres.
 SAME_M = 0.4
 
 
 @dataclass
 class SeenThing:
-    """What is known of one thing.
+    """What is known about one thing.
 
     Attributes:
         name: category.
         places: (n, 3) points, metres; one for each place where it was seen.
-        seen: (time, place) of each request in which it was seen, in the order of time.
-        absent: (time, place) of each request that showed a place without it.
-        spots: relations and anchors of each place, as it was last named; () where nothing was near.
-        size: (n, 3) sides of what was last seen at each place, metres; 0 where they are not known.
+        seen: (time, place) of each request in which it was seen, in order of time.
+        absent: (time, place) of each request that showed a place without the thing.
+        spots: relations and anchors of each place, as last named; () where nothing was near.
+        size: (n, 3) sides of what was last seen at each place, metres; 0 where not known.
     """
 
     name: str
@@ -38,7 +38,7 @@ class SeenThing:
     size: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
 
     def place_at(self, xyz: NDArray[np.float64]) -> int:
-        """Number of the place at a point; a new one where it was never seen near there."""
+        """Number of the place at a point; adds a new place if the thing was never seen near there."""
         if len(self.places):
             away = np.linalg.norm(self.places - xyz, axis=1)
             if away.min() <= SAME_M:
@@ -49,7 +49,7 @@ class SeenThing:
 
 
 class SightingLog:
-    """All things of one home."""
+    """The sightings of all things in one home."""
 
     def __init__(self) -> None:
         """Start with nothing seen."""
@@ -63,14 +63,14 @@ class SightingLog:
     def saw(
         self, name: str, xyz: NDArray[np.float64], time: int, spot: Spot = (), size: NDArray[np.float64] | None = None
     ) -> None:
-        """Note where a thing was seen in a request; of several sightings the last one counts.
+        """Note where a thing was last seen in a request.
 
         Args:
             name: category.
-            xyz: (3,) middle of what was seen of it, metres in the frame of the dock.
-            time: of the request.
-            spot: relations and anchors by which it stands there; () where they are not known.
-            size: (3,) sides of what was seen of it, metres; None where they do not matter.
+            xyz: (3,) centre of the part of it that was seen, metres in the frame of the dock.
+            time: time of the request.
+            spot: relations and anchors of the place; () if not known.
+            size: (3,) sides of the part of it that was seen, metres; None if they do not matter.
         """
         thing = self.things.setdefault(name, SeenThing(name))
         place = thing.place_at(xyz)
@@ -80,21 +80,21 @@ class SightingLog:
             thing.size[place] = size
 
     def saw_again(self, name: str, place: int, time: int) -> None:
-        """Note that a thing is at a known place.
+        """Note that a thing is still at a known place.
 
         Args:
             name: category.
-            place: its number.
-            time: of the request.
+            place: number of the place.
+            time: time of the request.
         """
         self.things[name].seen.append((time, place))
 
     def missed(self, name: str, place: int, time: int) -> None:
-        """Note that a request showed a place of a thing without it.
+        """Note that a request showed a place of a thing without the thing.
 
         Args:
             name: category.
-            place: its number.
-            time: of the request.
+            place: number of the place.
+            time: time of the request.
         """
         self.things[name].absent.append((time, place))

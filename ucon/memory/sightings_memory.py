@@ -31,13 +31,13 @@ from ucon.perception.mapping.semantic_map import SemanticMap, frame_depth
 from ucon.perception.places.affordances import sight_range_m
 from ucon.readers.anchor_reader import default_reader
 
-#: On a patrol places count as seen from so near, metres: as for a small thing.
+#: Distance within which a place counts as looked at on a patrol, metres; that of a small thing.
 _PATROL_REACH_M: Final = 2.1
-#: So many of the likeliest places are in records.
+#: Number of likeliest places that are recorded.
 _TOLD: Final = 3
-#: Things that a detector that errs recognised with this probability are known by their place later.
+#: A thing that an imperfect detector recognised with this probability is later recognised by its place.
 SURE: Final = 0.95
-#: Sentences are about a thing from this relevance on.
+#: A sentence is about a thing if its relevance is above this.
 ABOUT: Final = 0.5
 
 
@@ -58,17 +58,17 @@ class SightingsMemory(MapMemory):
         """Start without a home.
 
         Args:
-            model: says where a thing is, from what was seen of it; :class:`ucon.memory.place_model.PlaceModel` by
-                default.
+            model: predicts where a thing is, from its sightings; by default
+                :class:`ucon.memory.place_model.PlaceModel`.
             recalls: whether searches are given the map and the remembered places.
-            acquires: whether they are given the habits that it found out, as sentences beside those that are told.
-            looks: whether it remembers which places were empty, wherever a thing can be.
+            acquires: whether searches are given the habits that the robot found out, as further sentences.
+            looks: whether to remember which places were empty, wherever a thing can be.
             around: whether the robot looks around before it ends a request.
-            keep: folder to which each life's sightings are written after every request; None: they are not.
-            given: folder of such files, with which lives begin; None: they begin without any.
+            keep: folder to which each life's sightings are written after every request; None: not written.
+            given: folder of such files, with which lives begin; None: lives begin without memory.
 
         Raises:
-            ConfigError: one folder is both, or none can be made where files are to be kept.
+            ConfigError: ``keep`` and ``given`` are the same folder, or ``keep`` is not writable.
         """
         super().__init__()
         self.log = SightingLog()
@@ -91,15 +91,15 @@ class SightingsMemory(MapMemory):
         self._around = LookingAround() if around else None
 
     def fingerprint(self) -> str:
-        """Hash of the files with which lives begin; "" without any."""
+        """Hash of the files with which lives begin; "" without such files."""
         files = [] if self._given is None else sorted(self._given.glob("*.json"))
         return "".join(sha256_file(path)[:16] for path in files)
 
     def begin(self, info: Info) -> dict[str, Any]:
-        """The info for the agent's reset, with what it may use of the memory.
+        """The info for the agent's reset, with the parts of the memory that it may use.
 
-        ``kept_map``; where the target was seen before, and where not, as ``recalled``; ``habits_valid``; habits found
-        out among the ``habits``.
+        These are ``kept_map``; ``recalled``, where the target was seen before and where not; ``habits_valid``; and
+        habits that the robot found out, among the ``habits``.
         """
         if self._patrol is not None:  # the last frame of a patrol is the first one of the request
             self._patrol = None
@@ -118,7 +118,7 @@ class SightingsMemory(MapMemory):
         return given
 
     def patrol(self, observation: Observation, info: Info) -> int:
-        """Look where the robot is unsure where things are that are asked for; see :mod:`ucon.memory.patrol`."""
+        """Look where the robot is unsure about things that are asked for; see :mod:`ucon.memory.patrol`."""
         if self._patrol is None:
             self._wake(info)
             known = super().begin(info)
@@ -144,14 +144,14 @@ class SightingsMemory(MapMemory):
         self._watching = Watching(self.log)
 
     def _unshared(self, info: Info) -> dict[str, Any]:
-        """Begin a request of which the agent keeps a map of its own."""
+        """Begin a request in which the agent keeps its own map."""
         super().begin(info)
         if self._looking is not None:
             self._looking.begin(0.0)
         return {}
 
     def _kept(self, info: Info) -> dict[str, Any]:
-        """The map, remembered places, and which habits still hold."""
+        """The map, the remembered places, and which habits still hold."""
         known, target = {"kept_map": super().begin(info)["kept_map"]}, str(info["target"])
         thing = self.log.things.get(target, SeenThing(target))
         days = info.get("habit_days", ())
@@ -172,10 +172,10 @@ class SightingsMemory(MapMemory):
         return known
 
     def habits(self, name: str) -> list[AcquiredHabit]:
-        """The habits of a thing that the robot found out, the surest first.
+        """The habits of a thing that the robot found out, those seen most often first.
 
         Args:
-            name: its category.
+            name: category of the thing.
         """
         thing = self.log.things.get(name, SeenThing(name))
         return acquired_habits(thing, self._model.first(thing, self._time), self._first_weekday)
@@ -197,11 +197,11 @@ class SightingsMemory(MapMemory):
         self._watching.look(self.map, depth)
 
     def act(self, action: int, observation: Observation) -> int:
-        """The agent's action; where that is Done, the robot looks around before."""
+        """The agent's action; before Done, the robot looks around."""
         return action if self._around is None else self._around.act(action, int(observation["step"][0]))
 
     def end(self) -> None:
-        """Enter what this request showed into the log: small things, and whatever was asked for."""
+        """Enter what this request showed into the log: movable things, and things that were asked for."""
         assert self.map is not None
         known, book = self.map, catalogue()
         for name, tracks in known.instances.items():
@@ -221,7 +221,7 @@ class SightingsMemory(MapMemory):
                 continue
             if (name, place) not in stands:
                 self.log.missed(name, place, self._time)
-            elif last[0] < self._time and last[1] == place:  # what was last seen there still stands there
+            elif last[0] < self._time and last[1] == place:  # the thing last seen there is still there
                 self.log.saw_again(name, place, self._time)
         if self._looking is not None:
             self._looking.end(self._time)
@@ -231,14 +231,14 @@ class SightingsMemory(MapMemory):
 
 
 def _is_sure(known: SemanticMap, name: str, track: int) -> bool:
-    """Whether a detector that errs recognised a thing well enough to know it by its place later."""
+    """Whether an imperfect detector recognised a thing well enough to recognise it by its place later."""
     if known.hypotheses is None:
         return False
     return float(known.hypotheses.named((name,), known.n_tracks)[track, 0]) >= SURE
 
 
 def _likeliest(thing: SeenThing, recalled: Recalled) -> tuple[BelievedPlace, ...]:
-    """The likeliest places of a thing."""
+    """The likeliest places of a thing, as recorded."""
     rows = np.argsort(-recalled.p, kind="stable")[:_TOLD]
     return tuple(
         BelievedPlace(
@@ -250,12 +250,12 @@ def _likeliest(thing: SeenThing, recalled: Recalled) -> tuple[BelievedPlace, ...
 
 
 def days_of_news(target: str, habits: tuple[str, ...], days: Sequence[int]) -> tuple[int, ...]:
-    """Days after the first on which habits of a thing were told.
+    """Days after the first on which habits of a thing were given.
 
     Args:
         target: the thing.
         habits: sentences.
-        days: on which each of them was told.
+        days: day on which each sentence was given.
     """
     if not any(days):
         return ()

@@ -1,4 +1,4 @@
-"""Baselines of remembering: where a thing was last seen, and where it was seen most often."""
+"""Baseline memory models: a thing is where it was last seen, or where it was seen most often."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ucon.memory.sighting_log import SeenThing
 
 
 class _Simple(Shared):
-    """A baseline of memory: it ignores the calendar, places that were empty, and changes of habits."""
+    """A baseline that ignores the calendar, places that were empty, and changes of habits."""
 
     uses_habits = False
 
@@ -24,28 +24,28 @@ class _Simple(Shared):
             trust: probability that a thing is where the baseline says.
 
         Raises:
-            ConfigError: it is no probability.
+            ConfigError: ``trust`` is not a probability.
         """
         self._trust = probability("trust", trust)
 
     def begin(self, first_weekday: int) -> None:
-        """Nothing depends on the calendar."""
+        """Do nothing, since the calendar is ignored."""
 
     def left(self, when: NDArray[np.int64], seen: int, time: int) -> NDArray[np.float64]:
-        """Of places elsewhere nothing is remembered: all is left."""
+        """All 1: places that were empty are not remembered."""
         return np.ones(len(when))
 
     def first(self, thing: SeenThing, time: int) -> int:
-        """All sightings count."""
+        """0: all sightings count."""
         return 0
 
     def valid(self, thing: SeenThing, time: int, told: Collection[int], days: Sequence[int]) -> NDArray[np.float64]:
-        """All habits are believed."""
+        """All 1: all habits are believed."""
         return np.ones(len(days))
 
 
 class LastSeen(_Simple):
-    """A thing is where it was last seen; once that turns out wrong, nothing is known."""
+    """A thing is where it was last seen; once it is found missing there, nothing is known."""
 
     name = "last seen"
 
@@ -60,7 +60,7 @@ class LastSeen(_Simple):
 
 
 class MostSeen(_Simple):
-    """A thing is where it was seen most often: a histogram of places, whatever the time."""
+    """A histogram of the places where a thing was seen, whatever the time."""
 
     name = "most seen"
 

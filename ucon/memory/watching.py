@@ -1,4 +1,4 @@
-"""Which of the remembered places the frames of a request show, and where something stands."""
+"""Which of the remembered places the frames of a request show, and at which of them something stands."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from ucon.perception.places.occupied import Occupied
 
 
 class Watching:
-    """Follows one request."""
+    """Tracks the remembered places during one request."""
 
     def __init__(self, log: SightingLog) -> None:
         """Start with nothing shown.
 
         Args:
-            log: of the remembered places.
+            log: the remembered places.
         """
         things = log.things
         self._of = [(name, place) for name, thing in things.items() for place in range(len(thing.places))]
@@ -35,7 +35,7 @@ class Watching:
         """Take in a frame.
 
         Args:
-            known: the map with the frame.
+            known: the map, updated with the frame.
             depth: (H, W), metres.
         """
         camera = camera_of(known.view, depth, known.body)
@@ -48,7 +48,7 @@ class Watching:
 
     @property
     def stands(self) -> set[tuple[str, int]]:
-        """Thing and number of the places where something stands, whatever it is called; none with an exact detector."""
+        """Thing and number of the places where something stands, whatever it is; none with an exact detector."""
         return {self._of[row] for row in np.flatnonzero(self._occupied.stands).tolist()}
 
     @property

@@ -51,7 +51,7 @@ def part_box(part: Part) -> Box3:
 
 
 def union_box(boxes: Iterable[Box3]) -> Box3:
-    """The smallest box around some boxes (at least one)."""
+    """The smallest box around one or more boxes."""
     columns = list(zip(*boxes, strict=True))
     return (
         min(columns[0]),

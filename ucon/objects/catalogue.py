@@ -1,7 +1,7 @@
 """The catalogue: facts about each of the 838 categories.
 
-A row of ``data/catalogue.csv`` is one :class:`Category` (for everybody) and one :class:`Hints` (for the shape
-builders). A row with a wrong value is an error that names file and line.
+Each row of ``data/catalogue.csv`` gives one :class:`Category` (for general use) and one :class:`Hints` (for the shape
+builders). A wrong value raises an error that names file and line.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ class Hints:
         color_name: name of its colour.
         container_kind: kind of its compartments.
         interior_frac: size of the interior.
-        compartments: their number.
+        compartments: number of compartments.
         top_frac: height of the surface on top.
-        area_frac: usable part of the footprint on top.
+        area_frac: usable fraction of the top's area.
         under_frac: free height below.
     """
 
@@ -92,7 +92,7 @@ class Catalogue:
 
 @lru_cache(maxsize=1)
 def catalogue() -> Catalogue:
-    """The shipped catalogue; read once."""
+    """The shipped catalogue, read once per process."""
     return read_catalogue(CATALOGUE_FILE)
 
 

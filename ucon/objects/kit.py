@@ -1,8 +1,8 @@
-"""Building of shapes: a builder adds parts to a :class:`Kit`, which becomes one :class:`ObjectModel`.
+"""Shape building: a builder adds parts to a :class:`Kit`, which becomes one :class:`ObjectModel`.
 
-A builder gets a kit for one category, size and colour. Lengths are metres. After :meth:`Kit.unit` they are fractions of
-the size (x and y from -0.5 to 0.5, z from 0 to 1), and the finished parts are stretched to fill the size exactly.
-Thicknesses of rods are always metres.
+A builder gets a kit for one category, size and colour. Lengths are in metres. After :meth:`Kit.unit` they are fractions
+of the size (x and y from -0.5 to 0.5, z from 0 to 1), and the finished parts are stretched to fill the size exactly.
+Thicknesses of rods are always in metres.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class Kit:
         return self.category.name
 
     def has(self, *words: str) -> bool:
-        """Whether the category's name contains one of some words."""
+        """Whether the category's name contains any of the given words."""
         return any(word in self.category.name for word in words)
 
     def unit(self) -> Kit:
@@ -343,7 +343,7 @@ class Kit:
         return len(self.joints) - 1
 
     def finish(self) -> ObjectModel:
-        """The model of everything that was added."""
+        """The model made of everything that was added."""
         parts = fit(self.parts, self.size) if self._fit else self.parts
         loose = self.category.role == "movable" and not (self.compartments or self.joints or self.under)
         return ObjectModel(

@@ -18,7 +18,7 @@ Shape = Literal["box", "cylinder", "sphere", "wedge"]
 Relation = Literal["ontop", "inside", "under", "nextto"]
 RELATIONS: tuple[Relation, ...] = ("ontop", "inside", "under", "nextto")
 Spot = tuple[tuple[str, str], ...]
-"""Relation and anchor category: of what holds a thing, then of what it stands next to; one of them may be missing."""
+"""(relation, anchor category) pairs: of what holds a thing, then of what it stands next to; either may be missing."""
 
 
 class Material(IntEnum):
@@ -90,7 +90,7 @@ class Surface:
 
 @dataclass(frozen=True, slots=True)
 class Compartment:
-    """A free space that things can be inside of.
+    """A free space that can hold things.
 
     Attributes:
         box: in the object frame with all joints closed, metres.
@@ -121,13 +121,13 @@ class ObjectModel:
 
     @property
     def openable(self) -> bool:
-        """Whether Open acts on it."""
+        """Whether the action Open acts on it."""
         return bool(self.joints)
 
 
 @dataclass(frozen=True, slots=True)
 class Category:
-    """One row of the catalogue. Numbers are credited in ``docs/DATA.md``."""
+    """One row of the catalogue. ``docs/DATA.md`` credits the sources of its numbers."""
 
     name: str
     archetype: str

@@ -51,7 +51,7 @@ def material_of(row: Category, hints: Hints) -> Material:
 
     Args:
         row: of the catalogue.
-        hints: its colour's name.
+        hints: give the name of its colour.
     """
     if row.archetype in _FABRIC_ARCHETYPES:
         return Material.FABRIC

@@ -1,4 +1,4 @@
-"""One HTML file that needs nothing else: style, scripts and compressed data are within it."""
+"""One HTML file that needs nothing else: it contains style, scripts and compressed data."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def packed(value: Any) -> str:
 
 
 def joined(parts: Sequence[bytes]) -> tuple[str, list[int]]:
-    """Files as one, in base64, and where each ends, bytes."""
+    """Files joined into one, in base64, and where each ends, in bytes."""
     ends, at = [], 0
     for part in parts:
         at += len(part)
@@ -44,7 +44,7 @@ def document(title: str, styles: Iterable[str], scripts: Iterable[str], data: Ma
         title: of the page.
         styles: names of style sheets.
         scripts: names of scripts, in their order.
-        data: texts of :func:`packed` and :func:`joined` by name, which scripts find as elements with that id.
+        data: texts from :func:`packed` and :func:`joined` by name; scripts find each as the element with that id.
     """
     blocks = "\n".join(
         f'<script type="application/x-packed" id="{html.escape(k)}">{v}</script>' for k, v in data.items()

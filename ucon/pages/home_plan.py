@@ -23,8 +23,8 @@ def plan_of(house: House) -> dict[str, Any]:
 
     Returns:
         ``bounds`` (x0, y0, x1, y1), ``rooms`` (``name``, ``type``, ``rect``, ``outdoor``), ``openings`` (axis, coord,
-        lo, hi) and ``things``, one an item of the home in its order: ``category``, and ``box`` (x0, y0, x1, y1), null
-        where it is not drawn.
+        lo, hi) and ``things``, one per item of the home, in the home's order: ``category``, and ``box`` (x0, y0, x1,
+        y1), null where it is not drawn.
     """
     x, y = house.grid.origin_xy
     nx, ny = house.grid.shape
@@ -44,7 +44,7 @@ def plan_of(house: House) -> dict[str, Any]:
 
 
 def footprint(box: NDArray[np.float64]) -> list[float] | None:
-    """x0, y0, x1, y1 of a box, to the centimetre; None for one that is nowhere.
+    """x0, y0, x1, y1 of a box, to the centimetre; None for a thing that is nowhere, whose box is not finite.
 
     Args:
         box: (6,) x0 y0 z0 x1 y1 z1, metres.
@@ -55,7 +55,7 @@ def footprint(box: NDArray[np.float64]) -> list[float] | None:
 
 
 def placed_in(arrangement: Arrangement, boxes: NDArray[np.float64], n_instances: int) -> dict[str, Any]:
-    """The things that an episode removes from a home and places in it.
+    """The things that an episode removes from a home and those that it places in it.
 
     Args:
         arrangement: what was removed and placed.

@@ -1,4 +1,4 @@
-"""Curves of few points: what a picture of some hundred pixels can show."""
+"""Thins curves to as many points as a picture of a few hundred pixels can show."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ _Point = TypeVar("_Point")
 
 
 def thinned(points: Sequence[_Point], most: int) -> list[_Point]:
-    """Some of the points of a curve, evenly, the last among them.
+    """Evenly spaced points of a curve, the last one included.
 
     Args:
         points: of the curve, in order.
-        most: how many at most, at least 1.
+        most: largest number of points to return, at least 1.
     """
     every = max(1, -(-len(points) // most))
     return list(points[::-1][::every][::-1])

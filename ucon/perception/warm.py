@@ -1,4 +1,4 @@
-"""Compiles the kernels of a searching agent, by a few steps with everything that such an agent uses."""
+"""Compiles the kernels of a searching agent by running all of its perception for a few steps."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def look_around(env: gym.Env[Any, Any], actions: Sequence[int]) -> SemanticMap:
 
     Args:
         env: an environment with a detector and ``nav`` in its info.
-        actions: what to play.
+        actions: the actions to play.
 
     Returns:
         The map of the frames.

@@ -1,1 +1,1 @@
-"""What ``eval.py`` and ``train.py`` do: choosing and checking a run, playing it, and errors in one line."""
+"""What ``eval.py`` and ``train.py`` do: choosing and checking a run, playing it, and reporting errors in one line."""

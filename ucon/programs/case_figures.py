@@ -34,8 +34,8 @@ class CaseSearch:
 
     Attributes:
         level: habit level.
-        record: how it went.
-        strip: as it is drawn.
+        record: the episode's record.
+        strip: the search as it is drawn.
         heard: number, from 1, of the first sentence about the target among those told; 0 where none was told.
     """
 
@@ -50,7 +50,7 @@ def draw_cases(words: Sequence[str], out: Path, names: Sequence[str] = tuple(CAS
 
     Args:
         words: options of ``eval.py``, such as ``agent=belief`` and ``task=real_robot``.
-        out: folder of figures, and of the runs.
+        out: folder for the figures and the runs.
         names: of the cases.
 
     Returns:
@@ -80,7 +80,7 @@ def _draw_one(name: str, words: Sequence[str], out: Path) -> list[CaseSearch]:
 
 
 def _search(name: str, level: str, words: Sequence[str], out: Path, told: Sequence[str]) -> tuple[Episode, CaseSearch]:
-    """Play a case at a habit level, or read how it went."""
+    """Play a case at a habit level."""
     folder = out / "runs" / f"{name}-{level}"
     fixed = ("workers=0", "progress=false", "pictures=0")
     run = Evaluation(eval_config(*words, *fixed, f"episodes={name}", f"habit_level={level}"), folder, anew=True)
@@ -104,7 +104,7 @@ def _told(level: str, given: int, heard: int) -> str:
 def _strip(
     env: Any, episode: Episode, record: EpisodeRecord, decisions: Sequence[DecisionRecord], searcher: str
 ) -> Strip:
-    """Walk a recorded search again and look at its waypoints."""
+    """Replay a recorded search and take pictures at its waypoints."""
     env.reset(seed=record.seed, options={"episode": episode})
     bare = env.unwrapped
     moments = [bare.moment()]

@@ -1,12 +1,12 @@
-"""Plays the episodes of a run again, each time without one sentence, and finds those that were causes.
+"""Plays the episodes of a run again, each time without one sentence, and finds the sentences that were causes.
 
-Every play is an ordinary evaluation with ``env.source.edits``, in a folder of its own below the output folder. So it
-goes on where it was interrupted, and can be replayed, watched and reported:
+Each play is an ordinary evaluation with ``env.source.edits``, in its own folder below the output folder. So it can be
+interrupted and continued, replayed, watched and reported:
 
-- ``told``: all episodes that have a sentence to try, as the agent is told;
-- ``removed-K``: the same, without the sentence that weighs K-th most;
+- ``told``: all episodes that have a sentence to try, with all their sentences;
+- ``removed-K``: the same, without the sentence of the K-th largest weight;
 - ``pairs/told``, ``pairs/removed``, ``pairs/elsewhere``, ``pairs/renamed``: the episodes that have a cause, with their
-  strongest cause told, taken out, with the thing placed elsewhere, and with its landmark renamed.
+  strongest cause as it is, taken out, with the thing placed elsewhere, and with its landmark renamed.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ from ucon.programs.evaluating import Evaluation
 from ucon.task.episode import Episode
 from ucon.task.sets import save_episodes
 
-#: Levels that tell habits, in a list that does not change.
+#: Levels that give habits, in a list that does not change during an episode.
 _LEVELS: Final = ("full", "gt", "retrieval")
-#: Starting workers takes longer than playing so few episodes.
+#: So few episodes are played without workers: starting them would take longer.
 _FEW: Final = 12
-#: Ways of not telling a sentence, beside taking it out: by name, what is told instead.
+#: Ways to withhold a sentence besides taking it out: by name, the function that makes the sentence told instead.
 _CHANGES: Final[Mapping[str, Callable[[HabitDataset, Episode, int], str | None]]] = {
     "elsewhere": placed_elsewhere,
     "renamed": renamed,
@@ -53,7 +53,10 @@ class Found:
     """Figures of :func:`ucon.evaluation.causes.causes.counts`."""
     episodes: int
     told: int
-    """Sentences that the agent is told in all episodes; those not tried weigh nothing or less."""
+    """Sentences that the agent is told in all episodes.
+
+    Those that were not tried have no weight or less weight, or are about something else than what was asked for.
+    """
 
 
 class Counterfactuals:
@@ -62,11 +65,11 @@ class Counterfactuals:
     Args:
         config: of the run, resolved and checked.
         out: folder for all plays.
-        most: number of sentences that are tried in an episode, the weightiest first.
-        kinds: what the sentences are about that are tried.
+        most: number of sentences that are tried in an episode, those of the largest weight first.
+        kinds: what a sentence has to be about to be tried.
 
     Raises:
-        ConfigError: an agent that reads no habits, a level that tells none or a list that changes, a run with edits.
+        ConfigError: an agent that reads no habits, a level that gives none or a list that changes, a run with edits.
     """
 
     def __init__(self, config: dict[str, Any], out: Path, most: int, kinds: Collection[About] = ABOUT) -> None:
@@ -108,7 +111,7 @@ class Counterfactuals:
         return Found(tuple(found), figures, len(self._episodes), given)
 
     def _weighed(self) -> tuple[int, dict[str, list[Weighed]]]:
-        """Number of sentences told in all, and those of each episode that are tried, the weightiest first."""
+        """Number of sentences told in all, and the sentences of each episode to be tried, by descending weight."""
         locate = getattr(Factory(self._config["agent"])(), "locate", None) or ReadHabits()
         self._source.prepare(level=self._level)
         dataset, given, out = self._source.dataset, 0, {}
@@ -123,7 +126,7 @@ class Counterfactuals:
         return given, out
 
     def _confirmed(self, causes: Mapping[str, Tried]) -> dict[str, bool]:
-        """Play the pairs of the causes; by episode, whether the other ways of not telling its sentence agree."""
+        """Play the pairs of the causes; by episode, whether the other ways to withhold its sentence agree."""
         if not causes:
             return {}
         names = [name for name in self._episodes if name in causes]
@@ -144,11 +147,11 @@ class Counterfactuals:
     def _played(
         self, name: str, edits: Sequence[Edit], episodes: Sequence[str] | None = None
     ) -> dict[str, EpisodeRecord]:
-        """Records of an evaluation with edits, by episode; it is played where that was not done before.
+        """Records of an evaluation with edits, by episode; it is played unless that was done before.
 
         Args:
             name: of its folder.
-            edits: one an episode.
+            edits: one per episode.
             episodes: ids of the episodes; None: those of the edits.
         """
         path = self._out / f"{name}.episodes.jsonl.xz"

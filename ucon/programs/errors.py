@@ -21,12 +21,12 @@ from ucon.core.errors import UconError, unknown_name
 
 #: Exit codes: of errors that the user can fix, and of Ctrl-C and SIGTERM (the shell's codes).
 USER_ERROR, INTERRUPTED, TERMINATED = 2, 130, 143
-#: Error numbers that mean a problem of the disk, not a bug.
+#: Error numbers that mean a problem with the disk, not a bug.
 _OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EIO)
 
 #: File that Hydra writes into the folder of a sweep.
 _OF_SWEEPS = "multirun.yaml"
-#: Words with two dashes that Hydra takes.
+#: Options with two dashes that Hydra accepts.
 _FLAGS = frozenset(
     {"--hydra-help", "--version", "--cfg", "--resolve", "--package", "--run", "--multirun", "--shell-completion"}
     | {"--config-path", "--config-name", "--config-dir", "--experimental-rerun", "--info"}
@@ -34,11 +34,11 @@ _FLAGS = frozenset(
 
 
 class Terminated(KeyboardInterrupt):
-    """SIGTERM, which ends a command as Ctrl-C does: worker processes are ended, and a line says how to go on."""
+    """SIGTERM, which ends a command as Ctrl-C does: worker processes are ended, and a line says how to continue."""
 
 
 def run_entry(main: Callable[[], Any], config_name: str) -> None:
-    """Run a Hydra main, with errors that occur before it begins as one line; prints the help page for ``--help``.
+    """Run a Hydra main; errors before it begins are printed as one line, and ``--help`` prints the help page.
 
     Before it begins, Hydra composes the configuration and makes the folder ``out``; errors there are the user's to
     fix.
@@ -84,8 +84,8 @@ def one_line_errors(config_name: str, swept: Path | None = None) -> Iterator[Non
 
     Args:
         config_name: ``eval`` or ``train``.
-        swept: folder that Hydra made for this run of a sweep: it is removed where the run fails before it writes, and
-            so is that of the sweep where no other run has written; None outside a sweep.
+        swept: folder that Hydra made for this run of a sweep. It is removed if the run fails before it writes
+            anything, and so is the sweep's folder if no other run has written; None outside a sweep.
     """
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
@@ -146,7 +146,7 @@ def explain(error: BaseException, configs: Path, config_name: str, words: Sequen
         error: of Hydra or OmegaConf.
         configs: folder of the configurations.
         config_name: ``eval`` or ``train``.
-        words: of the command line; options of the agent, detector, ... that they choose exist, too.
+        words: of the command line; the options of the agent, detector, ... that they choose also count as existing.
     """
     text = str(error)
     if type(error).__name__ in ("MissingMandatoryValue", "InterpolationToMissingValueError"):
@@ -187,7 +187,7 @@ def _options(configs: Path, config_name: str, words: Sequence[str]) -> list[str]
 
 
 def _configs() -> Path:
-    """Folder of the configurations, beside the script."""
+    """Folder of the configurations, next to the script."""
     return Path(sys.argv[0]).resolve().parent / "configs"
 
 

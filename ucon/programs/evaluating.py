@@ -46,8 +46,8 @@ class Evaluation:
     Args:
         config: resolved, with the options of ``configs/eval.yaml``.
         out: output folder; an earlier, equal run in it is continued, a finished one is only read.
-        anew: True: play it again in any case, in ``out`` or, where that holds another or a finished run, in a folder
-            beside it.
+        anew: True: play it in any case, in ``out`` or, if that holds another or a finished run, in a new folder next
+            to it.
 
     Raises:
         ConfigError: a wrong option.
@@ -57,7 +57,7 @@ class Evaluation:
     def __init__(self, config: dict[str, Any], out: Path, *, anew: bool = False) -> None:
         check_options(config, EVALUATION)
         config = with_own_habits(config)
-        check_arguments(config["env"])  # it is built last, in the workers
+        check_arguments(config["env"])  # the environment is built last, in the workers
         task = config["task"]
         self.level = str(config["habit_level"]["name"])
         check_level(self.level)
@@ -83,10 +83,10 @@ class Evaluation:
         """Label of the agent, as in tables."""
         self.source.check_edits(self.episodes)
         errors = getattr(detector, "errors", None)
-        judge = getattr(agent, "judge", None) if errors is not None else None  # others are never asked
+        judge = getattr(agent, "judge", None) if errors is not None else None  # otherwise no judge is asked
         if anew or not has_summary(out):  # a finished run is only read and needs no weights
             check_weights(agent, detector, judge)
-        # Weights that rank habits count only for agents that read habits; others have one run for all levels.
+        # Weights that rank habits count only for agents that read habits; other agents have one run for all levels.
         of_habits = self.source.weights(self.level if self.parts.uses_habits else "none")
         of_parts = fingerprints(agent, detector, judge)
         self.hashes = run_hashes(config, self.episodes, None if of_parts is None else (*of_habits, *of_parts))
@@ -115,9 +115,9 @@ class Evaluation:
         return self.source.knowledge(episode, self.level).texts if self.parts.uses_habits else None
 
     def twin(self) -> Path | None:
-        """A finished run beside this one that has the same results.
+        """A finished run next to this one that has the same results.
 
-        There is one where the agent reads no habits and was played at another habit level.
+        There is one if the agent reads no habits and was played at another habit level.
 
         Returns:
             Its folder; None where there is none.
@@ -125,10 +125,10 @@ class Evaluation:
         return None if self.parts.uses_habits else twin_of(self.out, self.config, self.hashes)
 
     def play(self, on_played: OnPlayed | None = None) -> dict[str, Any]:
-        """Play the episodes that are missing in the folder, and finish it. A finished run is only read.
+        """Play the episodes that are missing in the folder, and finish the run. A finished run is only read.
 
         Args:
-            on_played: is called with each episode that is played now, after it was written.
+            on_played: called with each episode that is played now, after it was written.
 
         Returns:
             Content of ``summary.json``.
@@ -212,7 +212,7 @@ class Evaluation:
 
 
 def chosen_requests(name: str, limit: int | None, every: int = 1) -> tuple[Asked, ...]:
-    """All requests of every ``every``-th life of a set or file, and of these lives the first ``limit``."""
+    """All requests of the chosen lives of a set or file: every ``every``-th life, and of these the first ``limit``."""
     check_part(limit, every)
     return asked_of(load_lives(name)[::every][:limit])
 
@@ -239,7 +239,7 @@ def _played_by(one: Episode | Asked) -> dict[str, Any]:
 
 
 def _memory(config: Any, *, resident: bool) -> Factory | None:
-    """Makes the memory of a robot in one home; None: it has none.
+    """Factory of the memory of a robot that lives in one home; None if it has no memory.
 
     Raises:
         ConfigError: a memory for a robot that does not live there.

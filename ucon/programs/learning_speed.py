@@ -1,4 +1,4 @@
-"""Speed of learning: frames and decisions that each learner plays, feeds and learns from in a second of wall time."""
+"""Speed of learning: frames or decisions per second of wall time that each learner plays, feeds and learns from."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ucon.configuration.wiring import Factory
 from ucon.core.files import user_cache
 from ucon.programs.composing import train_config
 
-#: What is measured: configuration of ``train.py``, small enough for some steps, and the option that sets the workers.
+#: What is measured, by name: options of ``train.py`` for a few short steps, and the option that sets the workers.
 LEARNERS: Final[Mapping[str, tuple[tuple[str, ...], str]]] = {
     "imitation_frames_per_s": (
         ("agent=habit_policy_e2e", "learner=searches", "learner.batch=4", "learner.n_episodes=40"),
@@ -33,7 +33,7 @@ LEARNERS: Final[Mapping[str, tuple[tuple[str, ...], str]]] = {
 }  # fmt: skip
 #: Learners from kept decisions: how many searches are played for them, and the batches of one step.
 FROM_DECISIONS: Final[Mapping[str, tuple[int, int]]] = {"foresight": (40, 1), "counterfactual": (16, 2)}
-#: Configuration of a learner from decisions that learns all at once.
+#: Options with which a learner from decisions learns everything from its first step on.
 _AT_ONCE: Final[Mapping[str, tuple[str, ...]]] = {
     "counterfactual": ("learner.foresight_first=0", "learner.beyond_searches=8"),
 }
@@ -51,8 +51,8 @@ def stages(workers: tuple[int, ...]) -> int:
 def learning_rates(workers: tuple[int, ...], measured: Callable[[], None]) -> dict[str, float]:
     """Frames or decisions a second of every learner, by name and number of worker processes.
 
-    A learner's rate is the median over steps; a step plays, feeds and updates. Learners from kept decisions play first
-    and learn then, and have a rate for each. Nothing is kept from before but homes.
+    A learner's rate is the median over steps; a step plays, feeds and updates. Learners from kept decisions first play
+    and then learn, and have a rate for each. Of the user's cache only homes and text are used.
 
     Args:
         workers: numbers of processes that play, such as (1, 2).
@@ -103,7 +103,7 @@ def _from_decisions(name: str, searches: int, batches: int, workers: int) -> tup
 
 @contextmanager
 def _nothing_kept() -> Iterator[None]:
-    """A cache with homes and text alone: what was played before would not be played again."""
+    """Context manager: a cache with homes and text alone, since what is in the cache is not played again."""
     before, kept = os.environ.get("UCON_CACHE"), user_cache()
     with tempfile.TemporaryDirectory() as folder:
         for name in ("homes", "text", "sha256"):

@@ -14,14 +14,14 @@ from omegaconf import DictConfig, OmegaConf
 
 from ucon.core.files import sha256_bytes
 
-#: Before the name of the set, in the names of folders.
+#: Prefix of the set's name in the names of folders.
 _SET: Final = "episodes-"
-#: Endings of files of episodes, which the names leave out.
+#: Endings of episode files, which the names of folders leave out.
 _ENDINGS: Final = (".jsonl.xz", ".jsonl", ".yaml", ".yml")
 
 
 def folder_of(hydra_config: Any, episodes: str) -> Path:
-    """Folder of one run of a sweep, named by its overrides, and by its set where the sweep plays several.
+    """Folder of one run of a sweep, named by its overrides, and also by its set if the sweep plays several.
 
     Args:
         hydra_config: of the run.
@@ -44,7 +44,7 @@ def _sweeps_over_sets(asked: Path) -> bool:
 
 
 def folder_name(episodes: str) -> str:
-    """A named set, or the name of a file with digits of its path: files in several folders may have one name."""
+    """Name of a set, or of a file with a hash of its path, since files in different folders may share a name."""
     ending = next(filter(episodes.endswith, _ENDINGS), "")
     if not ending:
         return episodes
@@ -52,7 +52,7 @@ def folder_name(episodes: str) -> str:
 
 
 class CompareAtEnd(Callback):
-    """Prints a table of all runs and their paired differences after a sweep, and removes folders that nothing is in."""
+    """Prints a table of all runs and their paired differences after a sweep, and removes empty folders."""
 
     def on_multirun_end(self, config: DictConfig, **kwargs: Any) -> None:
         """Print the tables of the sweep's folder. Called by Hydra.

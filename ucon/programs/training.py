@@ -1,4 +1,4 @@
-"""What ``train.py`` is to do: start a new run, or go on with one."""
+"""Which run ``train.py`` trains: a new one, or one to resume."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ class ChosenRun:
     Args:
         config: resolved, as plain data.
         folder: of the run.
-        checkpoint: name of the checkpoint to go on from; "" for a new run.
+        checkpoint: name of the checkpoint to resume from; "" for a new run.
         steps: new length of the run in steps; None: as planned.
-        stored: of a run to go on with, its configuration as its file has it: names of older versions are part of the
-            run's identity.
+        stored: for a resumed run, its configuration exactly as its file has it: names of older versions are part of
+            the run's identity.
     """
 
     config: dict[str, Any]
@@ -55,7 +55,8 @@ def chosen_run(cfg: DictConfig, overrides: Sequence[str], swept: Path | None) ->
         swept: folder of this run in a sweep; None outside a sweep.
 
     Raises:
-        ConfigError: nothing to resume there, options beside ``resume`` that would make it another run, or fewer steps.
+        ConfigError: nothing to resume there, options besides ``resume`` that would make it another run, fewer steps,
+            or options of a new run that are missing or wrong.
         DataError: a stored configuration that cannot be used.
     """
     from omegaconf import OmegaConf
@@ -105,7 +106,7 @@ def _option(word: str) -> str:
 
 
 def write_extension(folder: Path, plan: Plan) -> None:
-    """Write the extensions of a plan into the run's ``config.yaml``; everything else there stays."""
+    """Write the extensions of a plan into the run's ``config.yaml``; nothing else in it changes."""
     from omegaconf import OmegaConf
 
     config = _parsed(folder / CONFIG, read_config(folder))
@@ -122,7 +123,7 @@ def _said(words: Iterable[str]) -> dict[str, Any]:
 
 
 def _check_device(learner: Mapping[str, Any], resume: str) -> None:
-    """Refuse to go on with a run on another device: results would differ.
+    """Refuse to resume a run on another device: results would differ.
 
     Raises:
         ConfigError: torch does not see the run's device here.
@@ -148,7 +149,7 @@ _OF_PLAYING: Final = {
 
 
 def _check_agent(cfg: DictConfig, overrides: Sequence[str]) -> None:
-    """Refuse a learner of policies whose agent has no policy, and a named agent with a learner that trains none.
+    """Refuse agents without a policy, agents named for a learner that trains no policy, and options only for playing.
 
     Raises:
         ConfigError: naming what to give.
@@ -172,7 +173,7 @@ def _stored(path: Path, raw: bytes, said: Mapping[str, Any]) -> dict[str, Any]:
 
     Raises:
         DataError: it is no YAML, lacks something, or would build what it must not.
-        ConfigError: a value has to be given again, or another value was given than it has.
+        ConfigError: a value has to be given again, or was given but differs from the stored one.
     """
     config = in_todays_names(_parsed(path, raw), str(path))
     allowed: dict[str, Any] = checked(config, str(path), ("learner",), said, "++")

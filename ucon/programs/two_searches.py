@@ -24,7 +24,7 @@ class Search(NamedTuple):
 def search_twice(words: Sequence[str], out: Path, levels: Sequence[str], *, films: bool) -> list[Search]:
     """Play one episode as ``eval.py WORDS`` would, once at each level.
 
-    What an earlier call left in ``out`` is not changed; the new run goes into a folder beside it.
+    What an earlier call left in ``out`` is not changed; the new run goes into a folder next to it.
 
     Args:
         words: options of ``eval.py``.
@@ -55,7 +55,9 @@ def search_twice(words: Sequence[str], out: Path, levels: Sequence[str], *, film
 
 
 def check_searches(words: Sequence[str], levels: Sequence[str]) -> None:
-    """Check what :func:`search_twice` would play, but for episodes and habits, before anything is written.
+    """Check options and weights of what :func:`search_twice` would play, but not its episodes and habits.
+
+    Nothing is written.
 
     Args:
         words: options of ``eval.py``.

@@ -19,8 +19,8 @@ WARMING = (0, 1, 1, 2, 3, 4, 4, 3, 2, 5, 0, 0, 6)
 def compile_kernels() -> float:
     """Compile every kernel into the cache on disk, in two processes at once.
 
-    The halves call what both need with arguments of the same types: numba's cache does not bear two processes that
-    compile one function for different types.
+    Functions that both halves need are called with arguments of the same types: numba's cache does not support two
+    processes that compile one function for different types.
 
     Returns:
         Seconds taken.
@@ -45,20 +45,20 @@ def warm_drawing() -> None:
 
 
 def warm_mapping() -> None:
-    """Compile mapping and search on frames of PyBullet's renderer; without PyBullet, nothing."""
+    """Compile mapping and search on frames of PyBullet's renderer; does nothing without PyBullet."""
     try:
         bullet()
     except UconError:
         return
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # that renderer's word on its speed
+        warnings.simplefilter("ignore", RuntimeWarning)  # the renderer warns that it is slow
         env = UcONEnv("mini", observe="symbolic", detector=True, renderer="tiny")
     look_around(env, WARMING)
     env.close()
 
 
 def warm_up() -> float:
-    """Play a few steps with everything, in this process: compiles what is in no cache, and loads the rest.
+    """Play a few steps with everything, in this process: compiles what is not cached, and loads the rest.
 
     Returns:
         Seconds taken.

@@ -80,7 +80,7 @@ class Reading(Shared):
 
         Args:
             holds: (H,) how much each habit counts.
-            sharpness: power of what that changes.
+            sharpness: power to which the resulting change is raised.
         """
         other = object.__new__(Reading)
         other.__dict__.update(self.__dict__)
@@ -149,14 +149,14 @@ class Reading(Shared):
 
 
 class _Told(Shared):
-    """What a told context changes: the weights that mix were fitted on habits that all count alike, so it is added."""
+    """The effect of a told context, added to the logits, since mixing was fitted on habits that all count alike."""
 
     def __init__(self, plain: Array, holds: Array, sharpness: float) -> None:
         """``plain`` (H,): relevance of the habits; ``holds`` (H,): how much each counts."""
         self.plain, self.gate, self._sharpness = plain, plain * holds, sharpness
 
     def change(self, said: Array) -> Array:
-        """(C,) added to the logits of C candidates for which the habits speak with ``said`` (H, C)."""
+        """(C,) added to the logits of C candidates; ``said`` (H, C) is the habits' evidence for them."""
         before, now = (np.log(SUPPORT_FLOOR + gate @ said) for gate in (self.plain, self.gate))
         return self._sharpness * (now - before)
 
@@ -189,7 +189,7 @@ class AnchorReader(Shared):
         return self._conditions or default_conditions()
 
     def __reduce_ex__(self, protocol: Any) -> Any:
-        """Pickles name the shipped reader, whose weights are checked wherever they are loaded."""
+        """Pickle the shipped reader by name; its weights are checked wherever they are loaded."""
         return (default_reader, ()) if is_the_one(default_reader, self) else super().__reduce_ex__(protocol)
 
     def read(
@@ -201,7 +201,7 @@ class AnchorReader(Shared):
             target: category that is looked for.
             texts: the habits that an agent is given.
             trusted: True if all of them are about the target (habit level ``gt``): they are not gated.
-            context: that was told: habits that do not hold in it count less, those that do count more.
+            context: the context that was told: habits that do not hold in it count less, those that do count more.
         """
         plain = Reading(self, target, tuple(texts), trusted)
         if context is None:

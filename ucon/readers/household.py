@@ -49,7 +49,7 @@ class FittedParts:
         Args:
             weights: of evidence, gate and prior.
             pairs: encodes sentences and pairs.
-            evidence: reads which places sentences speak for; by default ``weights`` does.
+            evidence: reads which places sentences speak for; by default the reader in ``weights``.
             own_prior: prior of a dataset with anchors of its own.
         """
         self.weights, self.pairs, self.own_prior = weights, pairs, own_prior

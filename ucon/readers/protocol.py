@@ -40,7 +40,7 @@ class Read(Protocol):
 
     @property
     def telling(self) -> NDArray[np.float64]:
-        """(H,) how much each habit says where the target is, 0 to 1."""
+        """(H,) how much each habit says about where the target is, 0 to 1."""
         ...
 
     def belief(self, candidates: Sequence[str]) -> Belief:
@@ -67,16 +67,16 @@ class Reader(Protocol):
             target: category that is looked for.
             texts: the habits.
             trusted: True if all of them are about the target (level ``gt``).
-            context: that was told; None: none.
+            context: the context that was told; None: none was told.
         """
         ...
 
 
 def read_info(reader: Reader, info: Mapping[str, Any]) -> Read:
-    """Read the habits of an episode as the info of its reset gives them.
+    """Read the habits of an episode from the info of its reset.
 
     Args:
-        reader: of habits.
+        reader: reads the habits.
         info: ``target``, ``habits``, ``habit_level`` (at ``gt`` all habits are about the target) and, where a context
             is told, ``told``.
     """

@@ -132,7 +132,7 @@ def sigmoid(x: Array) -> Array:
 
 
 def two_layers(x: Array, hidden: Array, bias: Array, out: Array) -> Array:
-    """Network with one tanh layer and a linear path beside it, (..., n) -> (...,).
+    """Network with one tanh layer and a parallel linear path, (..., n) -> (...,).
 
     Args:
         x: (..., n) inputs.

@@ -77,7 +77,7 @@ def entry_kb(data: HabitDataset, entry: Entry, seed: int, k: int = 20) -> Knowle
 
     Args:
         data: the dataset.
-        entry: is among the entries.
+        entry: the entry, always included.
         seed: decides the order of the habits.
         k: number of categories.
     """

@@ -1,4 +1,4 @@
-"""Evidence from the sentences of a dataset of its own, by an encoder fitted on where the dataset's things are kept.
+"""Evidence from sentences of a dataset with its own anchors, by an encoder fitted on where its things are kept.
 
 The habit book says which placement every sentence supports. A dataset such as the official release says where a thing
 is kept and lists its people's habits, but not which sentence says so; :mod:`ucon.fitting.scene_evidence` learns from

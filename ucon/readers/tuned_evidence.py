@@ -1,8 +1,8 @@
 """Evidence of sentences by an encoder that was fitted for it (:mod:`ucon.fitting.place_encoder`).
 
-The same interface as :class:`~ucon.readers.evidence.EvidenceReader`, and far better on words that training never met
-beside a place. Logits of the habit book's sentences are shipped; other sentences are encoded once, one at a time, and
-kept in the user's cache.
+The same interface as :class:`~ucon.readers.evidence.EvidenceReader`, and far better on words that never occurred
+with a place in training. Logits of the habit book's sentences are shipped; other sentences are encoded once, one at a
+time, and kept in the user's cache.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class TunedEvidence(EvidenceReader):
         """Load the last layer; the encoder is loaded on first use.
 
         Args:
-            weights: have the anchors, and read names outside the training data.
+            weights: give the anchors, and read names outside the training data.
             pairs: encodes sentences and pairs.
             table: logits computed beforehand; None: every text is encoded.
 

@@ -93,7 +93,7 @@ class ContextRetriever(Shared):
     def rank(
         self, target: str, kb: KnowledgeBase, seen: Collection[str] = (), emptied: Mapping[str, float] | None = None
     ) -> NDArray[np.int32]:
-        """All rows of the knowledge base, best first, (N,) int32; arguments as of :meth:`scores`.
+        """All rows of the knowledge base, best first, (N,) int32; arguments as in :meth:`scores`.
 
         Without facts it is the retriever's own ranking.
         """
@@ -112,8 +112,8 @@ class ContextHabits(PartlyShared):
     """The list of one episode, ``info["reranking"]`` of the environments.
 
     An agent that keeps track of what it saw calls :meth:`update` before it decides; observations then follow the list.
-    An agent that does not keeps the list of level ``retrieval``. The rest of the knowledge base stays hidden behind the
-    list.
+    An agent that never calls it has the list of level ``retrieval``. The rest of the knowledge base stays hidden behind
+    the list.
 
     Args:
         retriever: ranks the habits.

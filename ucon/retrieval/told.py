@@ -1,6 +1,6 @@
 """Retrieval in a told context: the query names occasion and user, and sentences that hold move up.
 
-Day, hour and season are not in the query: they liken it to what everybody does at that time (measured in
+Day, hour and season are not in the query: they make it similar to what everybody does at that time (measured in
 ``docs/decisions/retrieval.md``).
 """
 
@@ -27,7 +27,7 @@ class ToldRetriever(Shared):
 
         Args:
             retriever: scores by the query.
-            context: that was told.
+            context: the context that was told.
             conditions: says which sentences hold; the shipped reader by default.
         """
         self.retriever, self.told = retriever, context
@@ -35,10 +35,10 @@ class ToldRetriever(Shared):
         self._weights: Remembered[KnowledgeBase, NDArray[np.float64]] = Remembered()
 
     def scores(self, target: str, kb: KnowledgeBase, told: str = "") -> NDArray[np.float64]:
-        """Scores (N,) float64 in the order of ``kb.rows``; ``told`` is the context's own."""
+        """Scores (N,) float64 in the order of ``kb.rows``; ``told`` is ignored: the context's words are used."""
         plain = self.retriever.scores(target, kb, self.told.occasion_and_user)
-        if kb not in self._weights:  # they are the same for every target, and dear: each sentence is weighed
-            known = kb.in_order  # whose sentences are read once, whatever is told
+        if kb not in self._weights:  # the same for every target, and expensive: each sentence is weighed
+            known = kb.in_order  # its sentences are read once for all contexts
             self._weights[kb] = known.shuffled(self._conditions.weights(known.base.texts, self.told, "retrieval"))
         return lifted(plain, self._weights[kb])
 

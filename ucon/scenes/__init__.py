@@ -1,4 +1,4 @@
-"""Homes: the 22 official scenes as procedural analogues, their variants, and generated ones without limit.
+"""Homes: the 22 official scenes as procedural analogues, their variants, and any number of generated ones.
 
 Names are imported when they are first used (:mod:`ucon.core.lazy`).
 """

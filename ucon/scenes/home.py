@@ -24,7 +24,7 @@ from ucon.scenes.tidy import FloorPlan
 N_TRIES = 3
 OUTDOOR_HEIGHT_M = 20.0
 YARD_CELLS = 12
-"""A wall is an outside wall if there is no room within so many cells (3 m) behind it."""
+"""A wall is an outside wall if there is no room within this many cells (3 m) behind it."""
 EARLY_HUNG = ("radiator", "urinal")
 WALL_FIRST = ("wall_mounted_tv", "mirror", "painting", "picture", "poster")
 
@@ -38,7 +38,7 @@ class BuiltHome:
 
 
 def build_home(name: str, program: HomeProgram, seed: int) -> BuiltHome:
-    """Build the home of a program, with furniture that measured inventories lack.
+    """Build the home of a program, adding furniture that measured inventories lack.
 
     Args:
         name: of the home.
@@ -49,7 +49,7 @@ def build_home(name: str, program: HomeProgram, seed: int) -> BuiltHome:
 
 
 def build_program(name: str, program: HomeProgram, seed: int) -> BuiltHome:
-    """As :func:`build_home`, but with the furniture of the program and no more.
+    """As :func:`build_home`, but with only the furniture of the program.
 
     Args:
         name: of the home.
@@ -127,7 +127,7 @@ def furnish_room(
     wall_height_m: float,
     seed: int,
 ) -> tuple[list[Item], Counter[str]]:
-    """Furnish one room; up to three tries where large things found no place, of which the best is kept.
+    """Furnish one room; up to three tries while large things find no place, of which the best is kept.
 
     Args:
         index: number of the room.

@@ -1,8 +1,8 @@
 """From a room program to a floor plan: rectangles on the 0.25 m grid, and one opening for every edge.
 
-Rooms grow outwards from the hub. Each room tries every place along its parent's walls that is flush with something
-there and takes the one that keeps the outline compact. Several seeded plans are drawn and the best is kept; if none
-works, :func:`block_plan` always does. All lengths here are whole grid cells.
+Rooms grow outwards from the hub. Each room tries every place along its parent's walls that is flush with an
+existing edge and takes the one that keeps the outline compact. Several seeded plans are drawn and the best is kept; if
+none works, :func:`block_plan` always does. All lengths here are whole grid cells.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ucon.scenes.program import HomeProgram, RoomProgram
 from ucon.scenes.spec import GRID_M
 from ucon.scenes.tidy import FloorPlan, Rect, pad, plan_cost, shared_wall, trim_corridors
 
-#: Least sides of rooms, so that five nodes remain free beside a shelf.
+#: Least sides of rooms, so that five nodes remain free next to a shelf.
 MIN_SIDES_M = {"bathroom": (2.0, 2.25), "corridor": (1.5, 2.5), "entryway": (1.75, 2.0)}
 MIN_SIDES_DEFAULT_M = (1.75, 2.0)
 FOLD_CELLS = 56
@@ -85,7 +85,7 @@ def _grow(program: HomeProgram, seed: int, attempt: int) -> FloorPlan | None:
     rooms = {room.name: room for room in program.rooms}
     tree = _children(program)
     weight = {name: float(np.prod(_cells(rooms[name]))) * rng.uniform(0.6, 1.4) for name in sorted(rooms)}
-    for name in sorted(rooms, key=lambda n: -_depth(program, n)):  # a chain of rooms is placed as early as its sum
+    for name in sorted(rooms, key=lambda n: -_depth(program, n)):  # a chain of rooms ranks by the sum of its weights
         weight[name] += sum(weight[child] for child, _ in tree[name] if rooms[child].type != "garden")
     plan = FloorPlan()
     legs: dict[str, list[str]] = {}

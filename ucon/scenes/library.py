@@ -26,11 +26,11 @@ def built_home(name: str) -> BuiltHome:
     """A home and the items that found no place.
 
     Args:
-        name: ``Rs_int``, ``Rs_int~3`` (variant 3), ``procedural:house:17``, or that of a home of one's own.
+        name: ``Rs_int``, ``Rs_int~3`` (variant 3), ``procedural:house:17``, or that of an own home.
 
     Raises:
         SceneError: no such home; the message names the nearest ones.
-        DataError: a home of one's own that is not kept here.
+        DataError: an own home that is not stored here.
     """
     if is_own(name):
         return build_program(name, *own_program(name))
@@ -49,22 +49,22 @@ def home_spec(name: str) -> HomeSpec:
 
     Raises:
         SceneError: no such home; the message names the nearest ones.
-        DataError: a home of one's own that is not kept here.
+        DataError: an own home that is not stored here.
     """
     return built_home(name).spec
 
 
 def is_home_name(name: str) -> bool:
-    """Whether a name is meant as that of a home which is there already; see :func:`check_home_name`."""
+    """Whether a name has the form of an official, generated or own home's; see :func:`check_home_name`."""
     return name.startswith("procedural:") or is_own(name) or name.partition("~")[0] in SCENES
 
 
 def check_home_name(name: str) -> None:
-    """Check that there is a home of a name, without building it.
+    """Check that a home of this name exists, without building it.
 
     Raises:
         SceneError: no such home; the message names the nearest ones.
-        DataError: a home of one's own that is not kept here.
+        DataError: an own home that is not stored here.
     """
     if is_own(name):
         own_program(name)
@@ -75,7 +75,7 @@ def check_home_name(name: str) -> None:
 
 
 def scene_split(name: str) -> Literal["seen", "unseen"]:
-    """Whether a home may be trained on (``seen``) or is reserved for tests (``unseen``), as homes of one's own are."""
+    """Whether a home may be trained on (``seen``) or is reserved for tests (``unseen``), as own homes are."""
     if is_own(name):
         return "unseen"
     if name.startswith("procedural"):

@@ -48,5 +48,5 @@ def _start(a: Rect, b: Rect, wall: tuple[int, int, int, int], width: int, joint:
         return low
     if joint != "doorway":
         return (first + last) // 2
-    # Doors stand near a corner, so that a long piece of wall stays for furniture.
+    # Doors stand near a corner, so that a long piece of wall is left for furniture.
     return first if draw < 0.45 else last if draw < 0.9 else (first + last) // 2

@@ -1,6 +1,6 @@
-"""Homes of one's own by name: ``own:my_flat:3fa9b2c4d5e6``, a short form of what they are called and a hash.
+"""Own homes, which users describe in files, by name: ``own:my_flat:3fa9b2c4d5e6``, a short title and a hash.
 
-The hash is of the program and the seed, so a name stands for one home for ever. The program is kept in the user's
+The hash covers the program and the seed, so a name always means the same home. The program is stored in the user's
 cache, where other processes and later replays find it.
 """
 
@@ -18,7 +18,7 @@ from ucon.core.untrusted.strict_json import parse_json
 from ucon.scenes.program import HomeProgram, program_of
 
 PREFIX: Final = "own:"
-#: Version of the kept form.
+#: Version of the stored form.
 _FORMAT: Final = 1
 _NAME: Final = re.compile(r"own:([a-z0-9_]{1,40}):([0-9a-f]{12})")
 _MOST_BYTES: Final = 1 << 20
@@ -27,15 +27,15 @@ _KNOWN: dict[str, str] = {}
 
 
 def is_own(name: str) -> bool:
-    """Whether a name is that of a home of one's own."""
+    """Whether a name is that of an own home."""
     return name.startswith(PREFIX)
 
 
 def own_name(called: str, program: HomeProgram, seed: int) -> str:
-    """The name of a home of one's own.
+    """The name of an own home.
 
     Args:
-        called: what its owner calls it.
+        called: the title that its user gives it.
         program: its rooms and furniture.
         seed: of its plan and furnishing.
     """
@@ -43,10 +43,10 @@ def own_name(called: str, program: HomeProgram, seed: int) -> str:
 
 
 def keep_program(called: str, program: HomeProgram, seed: int) -> str:
-    """Keep a program for this process and, where the cache can be written, for others.
+    """Store a program for this process and, where the cache can be written, for others.
 
     Args:
-        called: what the home's owner calls it.
+        called: the title that the home's user gives it.
         program: its rooms and furniture.
         seed: of its plan and furnishing.
 
@@ -63,10 +63,10 @@ def keep_program(called: str, program: HomeProgram, seed: int) -> str:
 
 
 def own_program(name: str) -> tuple[HomeProgram, int]:
-    """Program and seed of a home of one's own.
+    """Program and seed of an own home.
 
     Raises:
-        DataError: no such name, or it is not kept on this machine, or what is kept was altered.
+        DataError: malformed name, or its program is not stored on this machine or was altered.
     """
     if not _NAME.fullmatch(name):
         raise DataError(f"home '{brief(name)}': expected own:<name>:<12 digits and letters>, as `home check` prints")
@@ -79,7 +79,7 @@ def own_program(name: str) -> tuple[HomeProgram, int]:
 
 
 def kept_names() -> tuple[str, ...]:
-    """Names of the homes of one's own that are kept on this machine, those kept last first."""
+    """Names of the own homes that are stored on this machine, the most recent first."""
     folder = user_cache() / "own"
     try:
         files = sorted(folder.glob("*.json"), key=lambda path: -path.stat().st_mtime)

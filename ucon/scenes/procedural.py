@@ -1,7 +1,7 @@
 """Programs of generated homes, drawn from :mod:`ucon.scenes.room_types`.
 
-The content of rooms follows the statistics of the measured rooms (:func:`ucon.scenes.program.type_stats`), with
-necessary things added by room type; sizes grow with the content.
+Each room gets the basic furniture of its type, and more by the statistics of the measured rooms
+(:func:`ucon.scenes.program.type_stats`). Its size is drawn by its type; corridors grow with the rooms they lead to.
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ _REINSTALL = f" in {_SOURCE}; reinstall the package"
 
 @dataclass(frozen=True)
 class RoomProgram:
-    """One room as it is wanted."""
+    """One room of a program: what it should be and hold."""
 
     name: str
     type: str

@@ -36,8 +36,8 @@ BIG: dict[str, tuple[float, float, float, float]] = {
     "kitchen": (4.5, 6.0, 5.5, 7.0),
     "bathroom": (3.0, 3.5, 3.75, 4.5),
 }
-"""The same for rooms of restaurants and shops."""
-#: By room type: what is always there, as (category, least, most).
+"""The same for rooms of restaurants, and for bathrooms of shops."""
+#: By room type: basic furniture, as (category, least, most).
 MUST: dict[str, tuple[tuple[str, int, int], ...]] = {
     "bathroom": (("sink", 1, 1), ("toilet", 1, 1), ("mirror", 1, 1), ("towel_rack", 1, 1), ("trash_can", 0, 1)),
     "bedroom": (("bed", 1, 1), ("nightstand", 1, 2), ("table_lamp", 1, 2), ("wardrobe", 1, 1), ("carpet", 0, 1)),
@@ -171,7 +171,7 @@ OFFICE_POOL = (
 )  # fmt: skip
 RESTAURANT_POOL = ("bar", "storage_room", "private_office", "pantry_room", "dining_room", "utility_room")
 SHOP_POOL = ("storage_room", "private_office", "break_room", "storage_room", "bar", "dining_room")
-#: By kind of home: rooms that are always there, rooms to choose from, most rooms.
+#: By kind of home: rooms that are always there, rooms to choose from, greatest number of rooms.
 KIND_ROOMS: dict[str, tuple[tuple[str, ...], tuple[str, ...], int]] = {
     "house": (("living_room", "kitchen", "bathroom", "bedroom"), HOUSE_POOL, 15),
     "flat": (("living_room", "kitchen", "bathroom", "bedroom"), FLAT_POOL, 8),

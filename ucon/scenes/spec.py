@@ -64,7 +64,7 @@ class Item:
     size: Vec3
     """Metres, before rotation."""
     position: Vec3
-    """Centre of its footprint, and its bottom; world metres."""
+    """x and y of the centre of its footprint, z of its bottom; world metres."""
     quarter_turns: int
     """Rotation about z in steps of 90 degrees, counter-clockwise; the front looks along +x at 0."""
     room: int

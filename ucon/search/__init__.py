@@ -1,6 +1,6 @@
 """Search: which candidates an agent may choose from, how a choice is carried out, and search by gain over cost.
 
-Strategies list candidates, the explorer carries choices out; the searcher values all views instead.
+Strategies list candidates, and the explorer carries out choices among them; the searcher values all views instead.
 """
 
 from ucon.search.explorer import Decision, Explorer, Manner

@@ -1,6 +1,6 @@
-"""What a search does next, as a text for people: ``look at: bottom cabinet 24 (inside)``.
+"""What a search does next, as text for people: ``look at: bottom cabinet 24 (inside)``.
 
-The number of a thing is its track on the agent's own map. Distances in metres are straight lines.
+Things are numbered by their tracks on the agent's own map. Distances in metres are straight lines.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ def aim_of(searcher: Searcher, decision: SearchDecision, choice: Choice | None) 
 
 
 def aim_to_open(searcher: Searcher) -> Aim:
-    """The aim of an Open on the way: the container within reach that has most expected mass inside.
+    """The aim of an Open on the way: the container within reach with most expected mass inside.
 
     Args:
         searcher: the search; at least one closed container is within reach.
@@ -81,21 +81,21 @@ def aim_to_open(searcher: Searcher) -> Aim:
 
 
 def aim_at_target(searcher: Searcher) -> Aim:
-    """The aim of walking up to the target, or where the detector errs to a thing that may be the target."""
+    """The aim of walking up to the target or, where the detector errs, to a thing that may be the target."""
     if searcher.doubt is None:
         return Aim("target", f"take: {words(searcher.target)}", "it is seen")
     return Aim("target", f"is it the {words(searcher.target)}? {suspect_words(searcher)}", how_sure(searcher))
 
 
 def suspect_words(searcher: Searcher) -> str:
-    """The suspect that is being walked up to as text: its most probable name and its number."""
+    """The suspect that the agent is walking up to, as text: its most probable name and its number."""
     assert searcher.doubt is not None
     track = searcher.doubt.suspect
     return f"{words(searcher.map.category[track] or 'something')} {track}"
 
 
 def how_sure(searcher: Searcher) -> str:
-    """How probable it is that the suspect is the target, and what it was called so far."""
+    """As text: the probability that the suspect is the target, and how many of the looks at it called it that."""
     assert searcher.doubt is not None
     looks = searcher.doubt.looks(searcher)[searcher.doubt.suspect]
     named = searcher.doubt.p.get(searcher.doubt.suspect, 0.0)
@@ -145,7 +145,7 @@ def _belief(searcher: Searcher, probability: float) -> str:
 
 
 def _parts(valued: ViewValues, choice: Choice) -> tuple[float, float]:
-    """Of a choice's gain: the part in unexplored space, and the part behind doors that it opens."""
+    """The parts of a choice's gain that are in unexplored space, and behind doors that it opens."""
     view = choice.view
     n = int(np.flatnonzero((valued.nodes[:, 0] == view.i) & (valued.nodes[:, 1] == view.j))[0])
     at = n, view.heading, kernels.PITCHES_DEG.index(view.pitch_deg)
@@ -153,7 +153,7 @@ def _parts(valued: ViewValues, choice: Choice) -> tuple[float, float]:
 
 
 def _opened(searcher: Searcher, decision: SearchDecision, choice: Choice) -> int:
-    """Track of the container within reach of a view that has most expected mass inside; -1 where there is none."""
+    """Track of the container within reach of a view with most expected mass inside; -1 where there is none."""
     known, (x, y) = searcher.map, choice.view.xy
     closed = decision.closed
     box = known.box[closed]

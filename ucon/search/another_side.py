@@ -1,4 +1,4 @@
-"""From where a thing can be seen anew: from a side or a distance from which its looks would not err alike."""
+"""Views of a thing from a new side or distance, from which the detector does not repeat its earlier errors."""
 
 from __future__ import annotations
 
@@ -12,13 +12,14 @@ from ucon.perception.mapping.planner import Planner
 from ucon.perception.mapping.semantic_map import CELL_M, HALF, SIZE, SemanticMap, View, camera_of
 from ucon.perception.views.view_kernels import sight
 
-#: A new side is looked for within so many cells of the thing, and so many actions.
+#: A new side is looked for within this many cells of the thing, and this many actions of the agent.
 _CELLS, _MOST_COST = 9, 12
-#: Nearer than this, metres, nothing is seen of a thing, and farther off the camera's axis than this share of a view.
+#: A view must be at least this far from the thing, metres, and show it at most this share of the field of view above or
+#: below the camera's axis.
 _LEAST_M, _ASIDE = 0.2, 38.0 / 90.0
-#: What is nearer than a thing by more than this hides it, metres.
+#: A surface nearer than a thing by more than this hides it, metres.
 _HIDES_M = 0.1
-#: Share of its two longer sides that a thing shows: it is turned, and round.
+#: Share of the rectangle of its two longer sides that a thing shows, since it may be turned or round.
 _SHOWN = 0.5
 
 
@@ -27,7 +28,7 @@ def another_side(known: SemanticMap, planner: Planner, track: int) -> View | Non
 
     Args:
         known: the map.
-        planner: brought up to date here.
+        planner: updated here.
         track: the thing.
 
     Returns:
@@ -64,7 +65,7 @@ def _facing(known: SemanticMap, planner: Planner, track: int, i: int, j: int) ->
 
 
 def _is_new(known: SemanticMap, track: int, view: View) -> bool:
-    """Whether a view shows a thing as it was never seen, with nothing known in between."""
+    """Whether a view shows a thing from a new side or distance, with nothing known in between."""
     assert known.hypotheses is not None
     x, y, z = _middle(known, track)
     at_x, at_y = view.xy
@@ -75,9 +76,9 @@ def _is_new(known: SemanticMap, track: int, view: View) -> bool:
 
 
 def in_view(known: SemanticMap, depth: NDArray[np.float32], track: int) -> bool:
-    """Whether the middle of a thing is in the picture, nothing nearer hides it, and it is near enough to show.
+    """Whether the middle of a thing is in the image, nothing nearer hides it, and it is near enough to be seen.
 
-    The latter only where boxes are no larger than things: on maps that are kept.
+    Whether it is near enough is checked only on maps that are kept, where boxes are no larger than things.
 
     Args:
         known: the map, updated with the frame.
@@ -102,7 +103,7 @@ def in_view(known: SemanticMap, depth: NDArray[np.float32], track: int) -> bool:
 
 
 def _middle(known: SemanticMap, track: int) -> tuple[float, float, float]:
-    """Middle (x, y, z) of what was seen of a thing, metres."""
+    """Middle (x, y, z) of the box of a thing, metres."""
     box = known.box[track]
     x, y, z = (0.5 * (box[:3] + box[3:])).tolist()
     return x, y, z

@@ -1,7 +1,7 @@
 """Search with a detector that errs: which thing to walk up to, look at again, take for the target, or give up.
 
-Walking up to a suspect and going to look elsewhere are compared by the probability of finding the target over the cost.
-Done ends the search where the suspect is probable enough; near the end of the episode the best suspect is taken.
+Walking up to a suspect and looking elsewhere are compared by the probability of finding the target over the cost.
+Done ends the search at a suspect that is probable enough; near the end of the episode, the best suspect is taken.
 """
 
 from __future__ import annotations
@@ -21,28 +21,28 @@ from ucon.search.search_decision import Seeking
 from ucon.search.suspects import Judge, Suspects
 from ucon.task.actions import Action
 
-#: Cost in actions of a suspect to which no way is known.
+#: Assumed cost, in actions, of a suspect to which no path is known.
 _NO_WAY = 60
 
 
 @dataclass(frozen=True)
 class Doubts(Shared):
-    """Where doubt ends."""
+    """When suspects are walked up to, taken for the target, and given up."""
 
     consider: float = 0.03
-    """Less probable suspects are not walked up to,"""
+    """Suspects less probable than this are not walked up to."""
     falls: float = 0.4
-    """and one that becomes less probable than this times what it was when it was chosen is given up."""
+    """A suspect is given up when its probability falls below this times the one at which it was chosen."""
     take: float = 0.7
-    """Done is said at a suspect that is this probable,"""
+    """Done is called at a suspect that is this probable."""
     settle: float = 0.4
-    """or this, where there is no new side to see it from."""
+    """The same when no further look is left: no new side to see it from, or ``most_looks`` made."""
     most_looks: int = 3
-    """Further looks at a suspect within reach."""
+    """Most further looks at a suspect within reach."""
     last_steps: int = 30
-    """When so many steps are left, the best suspect is taken,"""
+    """When this many steps are left, the best suspect is taken if it is probable enough."""
     last_least: float = 0.2
-    """if it is this probable."""
+    """Least probability of a suspect that is taken then."""
 
 
 class Doubt(PartlyShared):
@@ -50,7 +50,7 @@ class Doubt(PartlyShared):
 
     Attributes:
         suspects: up to date after :meth:`act`.
-        suspect: track that is being walked up to; -1 where there is none.
+        suspect: track that the agent is walking up to; -1 where there is none.
     """
 
     _flat: ClassVar[frozenset[str]] = frozenset({"_plan", "_given_up"})
@@ -59,9 +59,9 @@ class Doubt(PartlyShared):
         """Start an episode.
 
         Args:
-            steps: of the episode.
-            judge: says how probable suspects are; None: the arithmetic posterior.
-            doubts: where doubt ends; defaults where None.
+            steps: most steps of the episode.
+            judge: gives the probabilities of suspects; None: the arithmetic posterior.
+            doubts: thresholds; defaults where None.
         """
         self.suspects = Suspects(judge)
         self.suspect = -1
@@ -86,12 +86,12 @@ class Doubt(PartlyShared):
         """The next action at or towards a suspect.
 
         Args:
-            search: has taken in a frame.
+            search: the search, after it took in a frame.
             depth: (H, W) float32 of the frame, metres.
             blocked: whether the last move failed.
 
         Returns:
-            None where the search goes on elsewhere.
+            None where the search continues elsewhere.
         """
         ends = self._ends
         self.suspects.look(search)
@@ -128,7 +128,7 @@ class Doubt(PartlyShared):
         return None
 
     def _take_best(self, search: Seeking, depth: NDArray[np.float32], blocked: bool) -> Action:
-        """Walk up to the most probable suspect and say Done."""
+        """Walk up to the most probable suspect and call Done."""
         track = max(self.p, key=lambda t: (self.p[t], -t))
         if track != self.suspect:
             self.suspect, self._plan = track, deque()
@@ -137,12 +137,12 @@ class Doubt(PartlyShared):
         return search.homing.act(search.map, search.planner, track, blocked=blocked)
 
     def _give_up(self, search: Seeking) -> None:
-        """Go on elsewhere; the suspect may be chosen again when more was seen of it."""
+        """Give the suspect up; it may be chosen again after further looks at it."""
         self._given_up[self.suspect] = len(self.looks(search)[self.suspect])
         self.suspect, self._looks, self._plan = -1, 0, deque()
 
     def _choose(self, search: Seeking) -> None:
-        """Choose the suspect that is worth more than the best view, if there is one."""
+        """Choose the best suspect, if it is worth more than the best view."""
         looks, expected = self.looks(search), search.expected
         assert expected is not None
         tracks = [
@@ -163,7 +163,7 @@ class Doubt(PartlyShared):
 
     @staticmethod
     def _within_reach(search: Seeking, depth: NDArray[np.float32], track: int) -> bool:
-        """Whether Done would succeed if the suspect is the target: near enough, and in view whether found or not."""
+        """Whether Done would succeed if the suspect is the target: near enough, and in view (even if not detected)."""
         if not search.homing.approach.near(search.map, track):
             return False
         return bool(search.map.pixels[track] >= MIN_PIXELS) or in_view(search.map, depth, track)

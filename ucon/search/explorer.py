@@ -1,6 +1,7 @@
 """Carries out choices among candidates in one episode: walks there, looks around, opens, and goes to the target.
 
-All agents that choose among candidates share it, so that they differ in choosing alone. Every action costs a step.
+All agents that choose among candidates share it, so that they differ only in how they choose. Every action costs a
+step.
 """
 
 from __future__ import annotations
@@ -30,13 +31,13 @@ Info = Mapping[str, Any]
 #: When seeing the target ends the search: at once (``always``), only while looking around on arrival (``around``), or
 #: only after a direction that shows the target was chosen (``chosen``).
 Interrupt = Literal["always", "around", "chosen"]
-#: Random nodes are at least so far away, metres.
+#: Random nodes are at least this far away, metres.
 _WANDER_M = 1.0
 
 
 @dataclass(frozen=True)
 class Manner:
-    """Options of how choices are carried out.
+    """How choices are carried out.
 
     Raises:
         ConfigError: at construction, if ``replan_steps`` is not a whole number from 0 up.
@@ -49,7 +50,7 @@ class Manner:
     interrupt: Interrupt = "always"
     """When seeing the target ends the search."""
     replan_steps: int = 0
-    """A new choice is due after so many actions of a walk; 0: on arrival only."""
+    """A new choice is due after this many actions of a walk; 0: on arrival only."""
 
     def __post_init__(self) -> None:
         if type(self.replan_steps) is not int or self.replan_steps < 0:
@@ -168,7 +169,7 @@ class Explorer(PartlyShared):
         return self._decision
 
     def _not_done(self, found: list[Candidate]) -> list[Candidate]:
-        """The candidates without poses where the agent stood and things it walked up to; directions stay."""
+        """The candidates, without poses where the agent stood and things it walked up to; directions always stay."""
 
         def done(c: Candidate) -> bool:
             return c.kind != "view" and (c.view in self._stood or c.track in self._visited)

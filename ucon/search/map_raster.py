@@ -1,4 +1,4 @@
-"""The map around the agent as a small image, in which a network sees the shape of rooms, walls and what is unexplored.
+"""The map around the agent as a small image, in which a network sees rooms, walls and unexplored space.
 
 The agent is in the middle and looks along the first axis; left is along the second, as in the positions of tokens. A
 pixel stands for half a metre: 3 x 3 cells of the map with binomial weights, so that a mirrored home gives a mirrored
@@ -29,13 +29,13 @@ STRIDE: Final = 2
 _WINDOW: Final = STRIDE * (SIDE - 1) + 3
 #: Metres between the middles of pixels.
 PIXEL_M: Final = STRIDE * CELL_M
-#: Kinds of rooms in whose furniture a channel each is marked; these hold most of all furniture.
+#: Kinds of rooms with a channel each, in which their furniture is marked; most furniture is in one of these.
 ROOMS: Final = ("bathroom", "bedroom", "kitchen", "living_room", "dining_room", "corridor", "garage", "garden")
 _MAP: Final = ("explored", "floor", "height", "walls", "blocked", "near", "visited", "stale", "interest", "mass")
 _MASS: Final = len(_MAP) - 1
 #: What each channel shows.
 CHANNELS: Final = (*_MAP, *ROOMS)
-#: Tallest obstacle that is told apart, metres.
+#: Heights of obstacles are distinguished up to this one, metres.
 _TALL_M: Final = 1.9
 
 

@@ -59,7 +59,7 @@ def draw_search(searcher: Searcher, height: int = 384, width: int = 384, *, also
 
 
 def _mass_left(searcher: Searcher) -> NDArray[np.float64]:
-    """(T, 4) expected mass of tracks and relations that was not looked at in vain."""
+    """(T, 4) expected mass of tracks and relations that remains after the looks so far."""
     expected, places, n = searcher.expected, searcher.places, searcher.map.n_tracks
     if expected is None or len(expected.mass) != n:
         return np.zeros((n, len(RELATIONS)))

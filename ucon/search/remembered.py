@@ -1,7 +1,7 @@
-"""Remembered places of the target in a search with a detector that errs: taken for it where something stands there.
+"""Remembered places of the target, where the detector errs: what stands there is taken for the target.
 
-A detector that misses the target from one side misses it from there on every day. But a robot that knows where a thing
-is kept needs no name for it: if something of its size stands at its place, that is probably it.
+A detector that misses the target from one side misses it from there every day. But a robot that knows where a thing is
+kept need not recognise it: if something of its size stands at its place, that is probably it.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from ucon.perception.places.occupied import Occupied
 from ucon.perception.views.approach import Approach
 from ucon.task.actions import Action
 
-#: A place is walked up to, and Done said there, from this probability on.
+#: A place at least this probable is walked up to, and Done is called there.
 TAKE: Final = 0.7
-#: What was seen of a thing may be nearer than the thing, metres.
+#: The seen part of a thing may be nearer than the thing by this, metres.
 NEARER_M: Final = 0.1
-#: What stands there is something else if a thing on the map has so much of what both fill in common with it, was found
-#: from so many sides, and is the target with a lower probability than this.
+#: Something else stands at a place if a thing on the map overlaps it by more than this intersection over union, was
+#: found from at least this many sides, and is the target with less than this probability.
 SAME, LOOKS, OTHER = 0.2, 3, 0.05
-#: A place is given up after so many poses from which nothing was seen there.
+#: A place is given up after this many poses from which nothing was seen there.
 MOST_POSES: Final = 2
 
 
@@ -46,7 +46,7 @@ class RememberedPlaces(PartlyShared):
         """Start a search.
 
         Args:
-            recalled: where the target was seen before; places without sizes are not asked for.
+            recalled: where the target was seen before; places without sizes are not checked.
         """
         self._recalled, self.p = recalled, recalled.p
         self._occupied = Occupied(recalled.xyz, recalled.size, recalled.spots or [()] * len(recalled.xyz))
@@ -102,7 +102,7 @@ class RememberedPlaces(PartlyShared):
         return None
 
     def _is_something_else(self, known: SemanticMap, place: int) -> bool:
-        """Whether another thing of the map stands at a place: the chair that once passed for a bench."""
+        """Whether a thing on the map that is not the target stands there, such as a chair once taken for a bench."""
         assert known.hypotheses is not None
         n, half = known.n_tracks, 0.5 * self._recalled.size[place]
         box = np.concatenate([self._recalled.xyz[place] - half, self._recalled.xyz[place] + half])

@@ -1,4 +1,4 @@
-"""A choice among views that is due, and what is read of a search by those who weigh suspects."""
+"""A choice among views that is due, and the part of a search that the weighing of suspects reads."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class SearchDecision(Shared):
 
 
 class Seeking(Protocol):
-    """What is read of a search, whose attributes :class:`ucon.search.searcher.Searcher` describes."""
+    """The part of a search that others read; :class:`ucon.search.searcher.Searcher` describes the attributes."""
 
     target: str
     map: SemanticMap

@@ -60,7 +60,7 @@ class Tokens(Shared):
     """The arrays of one decision.
 
     Attributes:
-        arrays: see below; rows past what there is are zero.
+        arrays: see below; unused rows are zero.
         choices: the choice behind each row of ``views`` whose mask is 1.
 
     Keys of ``arrays``:
@@ -69,7 +69,7 @@ class Tokens(Shared):
     - ``thing_rows`` (T,) int32: rows of the things in the catalogue, -1 for none.
     - ``prior`` (V,) float32: logarithm of each view's gain over cost.
     - ``map`` (C, 41, 41) uint8: see :mod:`ucon.search.map_raster`.
-    - ``action_mask`` (V,), ``things_mask`` (T,), ``frontiers_mask`` (F,): int8, 1 for rows that are there.
+    - ``action_mask`` (V,), ``things_mask`` (T,), ``frontiers_mask`` (F,): int8, 1 for rows in use.
     """
 
     arrays: Mapping[str, NDArray[Any]]
@@ -119,7 +119,7 @@ class TokenReader(PartlyShared):
         return Tokens(arrays, seen.choices)
 
     def read_views(self, decision: SearchDecision) -> Tokens:
-        """The arrays of a decision that describe its views alone, which gain over cost is chosen by."""
+        """Only the arrays of a decision that describe its views: choosing by gain over cost needs no others."""
         rows, prior, choices = self._views(decision, self._searcher.places.weights(decision.expected.mass))
         arrays: dict[str, NDArray[Any]] = {
             "views": _padded(rows, self.sizes.views, N_VIEW),

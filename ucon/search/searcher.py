@@ -1,6 +1,6 @@
 """Search by gain over cost: maps each frame, values every view, walks to the chosen one, opens containers on the way.
 
-``frontier``, ``belief`` and the habit policy share it, so that they differ in the expected mass and in choosing alone.
+``frontier``, ``belief`` and the habit policy share it, so that they differ only in the expected mass and in the choice.
 Unlike :class:`~ucon.search.explorer.Explorer`, it asks for a new choice every few steps, opens containers on the way,
 and looks around only where a view was chosen for it.
 """
@@ -35,7 +35,7 @@ from ucon.task.actions import Action, decoded_action
 from ucon.task.rules import PAPER, task_rules
 
 Info = Mapping[str, Any]
-#: A container that Open failed on so often is not tried again.
+#: A container on which Open failed this often is not tried again.
 MOST_REFUSALS = 3
 #: The view that the agent is on its way to stays chosen unless another one is better by this factor.
 LOYALTY = 1.25
@@ -50,7 +50,7 @@ class Searcher(PartlyShared):
     :meth:`decision` gives the views and :meth:`choose` returns the action.
 
     Attributes:
-        target: its category.
+        target: category of the target.
         map: the agent's map.
         planner: paths on it.
         places: sample points on it.
@@ -61,7 +61,7 @@ class Searcher(PartlyShared):
         refused: by track, how often Open failed.
         taking: whether the target was found and the agent is walking up to it.
         decisions: how many choices were made.
-        remembered: places where the target was seen before, where the detector errs; None without any.
+        remembered: places where the target was seen before; None without any, and where the detector does not err.
     """
 
     _flat: ClassVar[frozenset[str]] = frozenset({"refused", "_plan", "_opened_at"})
@@ -83,8 +83,8 @@ class Searcher(PartlyShared):
             info: the info at the reset.
             expecting: gives the expected mass; a new object, used for this episode only.
             costs: of moves, rotations and looks; defaults where None.
-            judge: says how probable suspects are, where the detector errs; None: the arithmetic posterior.
-            doubts: where doubt ends, where the detector errs; defaults where None.
+            judge: gives the probabilities of suspects, where the detector errs; None: the arithmetic posterior.
+            doubts: thresholds for suspects, where the detector errs; defaults where None.
             miss: probability that a frame that shows a place from within sight range misses a target there. At 1
                 nothing is learned from looking in vain.
         """
@@ -124,7 +124,9 @@ class Searcher(PartlyShared):
         self._age = 0
 
     def look(self, observation: Mapping[str, Any], info: Info) -> Action | None:
-        """Take in a frame. Whoever asks may have done something else than was said, then plans are made anew.
+        """Take in a frame.
+
+        If the action done last is not the one returned last, the current plan is dropped.
 
         Args:
             observation: of the frame.
@@ -173,7 +175,7 @@ class Searcher(PartlyShared):
         return self.remembered.act(self.map, self.planner, self.homing.approach, rival, blocked=blocked)
 
     def observe(self, observation: Mapping[str, Any], info: Info) -> None:
-        """Add a frame to the map and to what was looked at in vain; no action is computed.
+        """Add a frame to the map and note which places it shows; no action is computed.
 
         Args:
             observation: of the frame.
@@ -255,7 +257,7 @@ class Searcher(PartlyShared):
         return Action.OPEN
 
     def _take_back(self) -> None:
-        """Forget an Open that was said and not done."""
+        """Forget an Open that was returned but not done."""
         if self._said is Action.OPEN:
             for track in self._opening:
                 self.refused[track] = self.refused.get(track, 1) - 1
@@ -313,7 +315,7 @@ class Searcher(PartlyShared):
 
 
 def _did(observation: Mapping[str, Any], said: Action) -> Action | None:
-    """The last action that was done; None at the start. Where the observation does not tell, it was what was said."""
+    """The action that was done last; None at the start. Where the observation lacks it, ``said`` counts as done."""
     if "last_action" not in observation:
         return said
     code = decoded_action(observation["last_action"])

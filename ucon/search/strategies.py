@@ -1,6 +1,6 @@
 """Which candidates may be chosen: directions (``views``), ``frontiers``, or frontiers and things (``landmarks``).
 
-A strategy object serves one episode: it keeps what it needs of the frames beside the semantic map.
+A strategy object serves one episode: it keeps what it needs from the frames in addition to the semantic map.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Strategy(Protocol):
             draw: random numbers of this decision.
 
         Returns:
-            Perhaps none.
+            The candidates; the list may be empty.
         """
         ...
 
@@ -56,7 +56,7 @@ class Strategy(Protocol):
         """What was seen around the current node, for prompts.
 
         Returns:
-            One entry a heading; empty where frames are not kept.
+            One entry for each heading; empty where frames are not kept.
         """
         ...
 
@@ -103,7 +103,7 @@ class Frontiers:
         self._least_cells = least_cells
 
     def look(self, known: SemanticMap, observation: Mapping[str, Any], info: Info) -> None:
-        """Nothing to do: the map is all it needs."""
+        """Do nothing: the map is all that this strategy needs."""
 
     def candidates(self, known: SemanticMap, planner: Planner, draw: np.random.Generator) -> list[Candidate]:
         """The frontiers, the cheapest first. See :meth:`Strategy.candidates`."""
@@ -120,7 +120,7 @@ class Frontiers:
 class FineFrontiers:
     """The frontiers of L3MVN, with the categories seen near each.
 
-    At most four of the 5 cm map, the most useful first.
+    At most four frontiers of the 5 cm map, by falling utility.
     """
 
     def __init__(self, body: Body, square_m: float = SQUARE_M) -> None:
@@ -203,7 +203,7 @@ def _landmarks(info: Info) -> Landmarks:
     return Landmarks(str(info["target"]))
 
 
-#: By the name in configurations: a function from the info at an episode's reset to its strategy.
+#: By name in configurations: a function from the info at an episode's reset to the episode's strategy.
 STRATEGIES: dict[str, Callable[[Info], Strategy]] = {
     "views": _views,
     "frontiers": _frontiers,

@@ -16,9 +16,9 @@ def mass_near(
 
     Args:
         boxes: (m, 6) float64, metres.
-        tracks: (m,) int32, their numbers.
+        tracks: (m,) int32, the things' tracks.
         xyz: (n, 3) float64, the sample points, metres.
-        of: (n,) int32, their tracks.
+        of: (n,) int32, the sample points' tracks.
         relation: (n,) int32.
         share: (n,) float64, of the mass of a track and relation.
         expected: (T, 4) float64, mass of tracks and relations.

@@ -1,8 +1,8 @@
 """Suspects: things on the map that may be the target, what speaks for each, and how probable each is.
 
 The arithmetic posterior multiplies the odds of the looks (:mod:`ucon.perception.hypotheses.hypotheses`) by how much
-more of the target is expected in the suspect's place than in that of any thing. A judge may be asked in its place: it
-takes the numbers of :data:`EVIDENCE`.
+more of the target is expected in the suspect's place than in that of any thing. A judge, a function of the numbers of
+:data:`EVIDENCE`, may replace it.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from ucon.search.suspect_kernels import mass_near
 
 #: Probabilities of m suspects from their evidence (m, F).
 Judge = Callable[[NDArray[np.float32]], NDArray[np.float64]]
-#: Less probable things, whatever their place, are no suspects.
+#: Things that are less probable than this by their looks alone are no suspects.
 LEAST: Final = 3e-3
-#: What is expected within this of a suspect is expected of it, metres.
+#: Mass expected within this distance of a suspect counts as expected at the suspect, metres.
 NEAR_M: Final = 0.4
-#: Expectations make a suspect at most so many times more probable, or less.
+#: The expected mass multiplies or divides the odds of a suspect by at most this.
 MOST_RATIO: Final = 30.0
-#: Things of a common home, and how many of them share a place.
+#: Number of things in a typical home, and how many of them share a place.
 THINGS, TOGETHER = 100.0, 3.0
 #: The numbers that speak for or against a suspect.
 EVIDENCE: Final = (
@@ -68,7 +68,7 @@ class Suspects(PartlyShared):
         """Find the suspects on the map, and weigh the evidence.
 
         Args:
-            search: has taken in a frame and expects something.
+            search: the search, after it took in a frame and computed the expected mass.
         """
         hypotheses = search.map.hypotheses
         assert hypotheses is not None
@@ -90,10 +90,10 @@ def arithmetic(evidence: NDArray[np.float32]) -> NDArray[np.float64]:
 
 
 def evidence_of(search: Seeking, tracks: list[int]) -> NDArray[np.float32]:
-    """What speaks for and against things being the target.
+    """The evidence for and against each of some things being the target.
 
     Args:
-        search: has taken in a frame and expects something.
+        search: the search, after it took in a frame and computed the expected mass.
         tracks: m tracks that were found at least once.
 
     Returns:

@@ -43,7 +43,7 @@ class TextTokens(Shared):
 
         Returns:
             ``target`` (D,) and ``habits`` (P, D) float32 embeddings, ``habits_relevance`` (P,) float32 in [0, 1] and
-            ``habits_mask`` (P,) int8. The most relevant habits come first; rows past what there is are zero.
+            ``habits_mask`` (P,) int8. The most relevant habits come first; unused rows are zero.
         """
         target = self.encoder.encode_half([phrase(name)])[0].astype(np.float32)
         habits = np.zeros((self.n_habits, len(target)), np.float32)

@@ -1,4 +1,4 @@
-"""What a search thinks at one moment, as plain values for pages: belief over things, its goal, and other views."""
+"""The state of a search at one moment, as plain values for pages: belief over things, goal, and other views."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from ucon.search.aims import aim_of
 from ucon.search.search_decision import SearchDecision
 from ucon.search.searcher import Searcher
 
-#: Most things, and most other views, that are told.
+#: Most things, and most other views, that are listed.
 _MOST_THINGS, _MOST_VIEWS = 16, 5
 #: Things with less of the remaining belief are left out.
 _LEAST_SHARE: Final = 0.005
-#: Views by falling score among which those with other aims are looked for.
+#: Number of best views that are searched for other aims.
 _LOOKED_THROUGH: Final = 400
 
 
@@ -44,9 +44,9 @@ class Thoughts(NamedTuple):
 
     Attributes:
         things: the most probable ones, by falling share.
-        goal: x, y of the view that it goes to, metres in the start frame; None where it goes to none.
+        goal: x, y of the view that the agent is going to, metres in the start frame; None where there is none.
         others: the best views with other aims than the chosen one, where a choice was made in this step.
-        relevance: by given habit, 0 to 1, how much it says about the place; () where no habit was read.
+        relevance: of each given habit, 0 to 1, how much it says about the target's place; () where no habit was read.
     """
 
     things: tuple[BelievedThing, ...]
@@ -56,11 +56,11 @@ class Thoughts(NamedTuple):
 
 
 def thoughts_of(searcher: Searcher, decided: SearchDecision | None) -> Thoughts:
-    """What a search thinks now.
+    """The state of a search now.
 
     Args:
-        searcher: of the search, after its action was chosen.
-        decided: what it chose from in this step; None where there was nothing to choose.
+        searcher: the search, after its action was chosen.
+        decided: the decision made in this step; None where none was due.
     """
     locations = searcher.expecting.locations
     relevance = () if locations is None or locations.relevance is None else tuple(map(float, locations.relevance))

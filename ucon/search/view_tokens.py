@@ -21,7 +21,7 @@ AHEAD: Final = slice(10, 12)
 #: Column that is 1 for the view that the agent is on its way to.
 IS_KEPT: Final = 9
 #: Views whose log gain over cost is less than this below the best are its rivals. In rollouts of 340 decisions, views
-#: up to .7 below were worth as much as the best (+.0005 +- .0008 SPL), and views 1.1 to 1.5 below .005 less.
+#: up to .7 below were worth as much as the best (+.0005 +- .0008 SPL), and views 1.1 to 1.5 below were worth .005 less.
 RIVAL: Final = 1.0
 #: Column that is 1 where the agent stood at the node.
 VISITED: Final = 14
@@ -71,7 +71,7 @@ class ViewSurroundings:
     """Remaining mass and unexplored space around nodes."""
 
     def __init__(self, known: SemanticMap, xyz: NDArray[np.float64], weight: NDArray[np.float64]) -> None:
-        """Sum both over squares around every cell of the map.
+        """Sum mass and unexplored space over squares around every cell of the map.
 
         Args:
             known: the map.
@@ -109,7 +109,7 @@ def _sums(values: NDArray[np.float64], side: int) -> NDArray[np.float64]:
 
 
 def _quarters(turned: NDArray[np.int64], headings: int) -> NDArray[np.int64]:
-    """Turns to the left (n,) as the nearest quarter turns, which the columns are for."""
+    """Headings (n,), counted to the left of the agent's, as the nearest quarter turns; each quarter has a column."""
     return (8 * turned + headings) // (2 * headings) % 4
 
 

@@ -1,7 +1,7 @@
-"""``load_house``: a compiled home by name, from memory, the package, a pack, the user's cache, or built.
+"""``load_house``: a compiled home by name, from memory, the package, a pack or the user's cache, or built.
 
 The cache key holds the home's name, the file format and a fingerprint of the code and data that homes are made from, so
-that homes of older code are never used.
+that homes compiled by older code are never used.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ _LOADED: WeakValueDictionary[str, House] = WeakValueDictionary()
 
 @lru_cache(maxsize=_IN_MEMORY)
 def load_house(name: str) -> House:
-    """The compiled home of a name: ``Rs_int``, ``Rs_int~3`` or ``procedural:house:17``.
+    """The compiled home of this name, such as ``Rs_int``, ``Rs_int~3`` or ``procedural:house:17``.
 
-    Looked for in memory, in the package, in the folder that ``UCON_PACK`` names and in the user's cache; as a last
-    resort it is built with PyBullet. A damaged cache file is built again, with one line of warning; a damaged shipped
-    or packed file is an error.
+    It is looked for in memory, in the package, in the folder that ``UCON_PACK`` names and in the user's cache; as a
+    last resort it is built with PyBullet. A damaged cache file is built again, with one line of warning; a damaged
+    shipped or packed file is an error.
 
     Raises:
         ConfigError: no such home, or no such folder.
@@ -70,12 +70,12 @@ def _load(name: str) -> House:
 
 
 def loaded_by_name(house: House) -> bool:
-    """Whether :func:`load_house` returns this very home for its name, so that pickles may name it."""
+    """Whether :func:`load_house` returns this very object for its name, so that pickles may hold the name alone."""
     return _LOADED.get(house.spec.name) is house
 
 
 def _pickled(house: House) -> Any:
-    """Pickles name a home that was loaded by its name; one that somebody built otherwise they hold."""
+    """Pickle a home that was loaded by its name as name and hash, and any other home whole."""
     if loaded_by_name(house):
         return the_house, (house.spec.name, house.spec.hash)
     return house.__reduce_ex__(4)
@@ -85,14 +85,14 @@ copyreg.pickle(House, _pickled)
 
 
 def the_house(name: str, spec_hash: str) -> House:
-    """The home of a name, for unpickling.
+    """The home of this name, for unpickling.
 
     Args:
         name: of the home.
         spec_hash: hash of its specification when it was pickled.
 
     Raises:
-        DataError: it is another version here, and as for :func:`load_house`.
+        DataError: the home here is another version; and as for :func:`load_house`.
     """
     house = load_house(name)
     if house.spec.hash != spec_hash:
@@ -156,8 +156,8 @@ def pack_homes(names: Iterable[str], folder: Path, *, fresh: bool = True) -> lis
 
     Args:
         names: of the homes.
-        folder: where to.
-        fresh: build them again, whatever is cached.
+        folder: where to write them.
+        fresh: build them again, even if they are cached.
 
     Returns:
         The written files.
@@ -193,7 +193,7 @@ def fingerprint() -> str:
 def _files(source: Path) -> list[Path]:
     if source.is_file():
         return [source]
-    # These make no home.
+    # These do not affect what a home is.
     skipped = {"__pycache__", "render", "placement", "robot", "homes", "cache.py", "live.py", "sheets.py"}
     return sorted(
         path for path in source.rglob("*") if path.is_file() and not skipped & set(path.relative_to(source).parts)

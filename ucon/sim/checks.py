@@ -31,7 +31,7 @@ class HomeProblem:
     instance: int
     """The instance with the fault."""
     other: int
-    """The instance it meets; -1 for none."""
+    """The instance it collides with; -1 for none."""
     text: str
     """The fault as text."""
 
@@ -66,7 +66,7 @@ def sweeps(world: World) -> list[HomeProblem]:
 
 
 def hidden(world: World, grid: NavGrid) -> list[HomeProblem]:
-    """Openables with a compartment that cannot be seen into from any free node within reach, with everything open."""
+    """Openables with compartments, none of which can be seen into from any free node within reach when fully open."""
     problems = []
     for instance in openables(world.spec):
         item = world.spec.items[instance]

@@ -17,7 +17,7 @@ MOST_NODES: Final = 2000
 
 
 def require_usable(house: House, told: object) -> None:
-    """Refuse a home with implausible content, or with another hash than the file says.
+    """Refuse a home whose content is implausible or whose hash differs from the one in the file.
 
     Args:
         house: the home.

@@ -1,7 +1,7 @@
 """A compiled home as bytes: specification, free nodes, rooms and boxes, compressed, with a checksum. No pickle.
 
 Layout: one line ``UCON-HOME <version> <sha256 of the rest>``, then zlib of (length of the JSON as 4 bytes, JSON, bits
-of the free nodes, rooms as int16, boxes as float64). Polygons are computed again on loading.
+of the free nodes, rooms as int16, boxes as float64). Polygons are not stored; they are computed after loading.
 """
 
 from __future__ import annotations
@@ -61,9 +61,9 @@ def house_to_bytes(house: House) -> bytes:
 def house_from_bytes(data: bytes, where: str) -> House:
     """Read a home that :func:`house_to_bytes` wrote.
 
-    The hash and the map of rooms are computed from the specification and compared with the file's, once a process for
-    the same bytes (9 ms for the largest home). What PyBullet found, free nodes and boxes, is protected by the checksum
-    alone.
+    The hash and the map of rooms are computed from the specification and compared with the file's, once per process for
+    the same bytes (9 ms for the largest home). Which nodes PyBullet found free, and the boxes, are protected by the
+    checksum alone.
 
     Args:
         data: the bytes.
@@ -94,7 +94,7 @@ def house_from_bytes(data: bytes, where: str) -> House:
 
 
 def _house(body: bytes) -> tuple[House, str]:
-    """The home in the unpacked bytes, and the hash that they say it has."""
+    """The home in the unpacked bytes, and the hash that they state for it."""
     end = 4 + int.from_bytes(body[:4], "little")
     header = parse_json(body[4:end])
     nx, ny = header["shape"]

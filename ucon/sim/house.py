@@ -23,7 +23,7 @@ class NavGrid:
     """The navigation grid: nodes at the centres of 0.25 m cells, 4-connected.
 
     Node (i, j) is at ``origin + (i + 0.5, j + 0.5) * 0.25``. A move between two free neighbours is always legal: a wall
-    between them would make one of them unfree, since walls are on cell borders and need 0.18 m of clearance.
+    between them would block one of them, since walls are on cell borders and need 0.18 m of clearance.
 
     Attributes:
         origin_xy: corner of cell (0, 0), world metres.

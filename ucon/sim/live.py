@@ -2,7 +2,7 @@
 
 It is slower by orders of magnitude, and the reference that the compiled state is tested against (``world=live``). Both
 follow one rule for the floor: the home's own nodes, without those within the agent's radius of a placed object's box.
-Nodes under removed items stay unfree, and nobody walks under a placed thing.
+Nodes under removed items stay blocked, and nobody walks under a placed object.
 """
 
 from __future__ import annotations

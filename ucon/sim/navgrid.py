@@ -16,7 +16,7 @@ AGENT_RADIUS_M = 0.18
 AGENT_BOTTOM_M = 0.05
 AGENT_TOP_M = 1.80
 MAIN_COMPONENT_SHARE = 0.99
-"""The largest component must hold this share of the free nodes; the rest become unfree."""
+"""The largest component must hold this share of the free nodes; the rest are blocked."""
 
 
 def free_cells(world: World, origin: tuple[float, float], rooms: NDArray[np.int16]) -> NDArray[np.bool_]:
@@ -82,7 +82,7 @@ def main_component(free: NDArray[np.bool_], name: str, enclosed: NDArray[np.bool
 
 
 def enclosed_cells(spec: HomeSpec, origin: tuple[float, float], shape: tuple[int, int]) -> NDArray[np.bool_]:
-    """Nodes within 0.18 m of an item's box, such as the inside of hollow things: not floor to walk to.
+    """Nodes within 0.18 m of an item's box, such as the inside of hollow things: not floor that must be reachable.
 
     Returns:
         (nx, ny) bool.

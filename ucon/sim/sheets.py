@@ -1,4 +1,4 @@
-"""Contact sheets for looking at: every object in a small studio, every home as a plan with views from inside."""
+"""Contact sheets for visual inspection: every object in a small studio, every home as a plan with views from inside."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def _scene_row(name: str, views: int) -> Picture:
 
 
 def room_views(house: House, count: int, size_px: int = VIEW_PX) -> list[Picture]:
-    """Views of the largest rooms, each from the free node and heading that show most of the room's things.
+    """Views of the largest rooms, each from the node and heading, of 24 random free nodes, that show the most things.
 
     Args:
         house: the home.

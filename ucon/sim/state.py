@@ -19,9 +19,9 @@ _openable_items: WeakKeyDictionary[House, NDArray[np.bool_]] = WeakKeyDictionary
 
 
 class SceneState(PartlyShared):
-    """A home with one arrangement: which instances are there, where, what is open, which nodes are free.
+    """A home with one arrangement: which instances are there, where they are, which are open, which nodes are free.
 
-    Instances are numbered as in :class:`House`, objects of the arrangement last. Arrays have one row an instance.
+    Instances are numbered as in :class:`House`, objects of the arrangement last. Arrays have one row per instance.
 
     Attributes:
         house: the compiled home, shared and read-only.

@@ -22,9 +22,9 @@ _LEAST_M = 1e-6
 
 
 def structure_parts(spec: HomeSpec) -> list[tuple[int, Kind, tuple[Part, ...]]]:
-    """Parts in the world frame as ``(room, kind, parts)``, three entries a room in the order of the instances.
+    """Parts in the world frame as ``(room, kind, parts)``, three entries per room in the order of the instances.
 
-    The top of a floor is z = 0, the underside of a ceiling is the wall height. A floor is seen from above only and a
+    The top of a floor is at z = 0, the underside of a ceiling at the wall height. A floor is seen from above only and a
     ceiling from below only, although both are thin slabs. Outdoor rooms have hedges for walls and no ceiling.
     """
     structure: list[tuple[int, Kind, tuple[Part, ...]]] = []

@@ -66,7 +66,7 @@ class World:
         return tuple(sorted(self._bodies))
 
     def apply(self, arrangement: Arrangement) -> None:
-        """Bring the world to this arrangement, with everything closed."""
+        """Change the world to this arrangement, with everything closed."""
         for instance in list(self._open):
             self.set_open(instance, 0.0)
         for instance in [i for i in self._bodies if i >= self.n_base]:

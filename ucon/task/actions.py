@@ -27,19 +27,19 @@ class Action(IntEnum):
     """End the episode; success if the target is visible and near."""
 
 
-#: (di, dj) in nodes of a MoveAhead at headings 0, 90, 180, 270 degrees.
+#: Step of a MoveAhead as (di, dj) in nodes, at headings 0, 90, 180, 270 degrees.
 AHEAD = ((1, 0), (0, 1), (-1, 0), (0, -1))
 NO_ACTION = len(Action)
-"""Number of the last action at the start of an episode: there was none."""
+"""Stands for the last action at the start of an episode, before any action was taken."""
 
 
 def encoded_action(action: int) -> NDArray[np.int8]:
-    """``last_action`` of an observation: the one-hot code of an action, zeros for :data:`NO_ACTION`, (7,) int8."""
+    """One-hot ``last_action`` of an observation, (7,) int8; zeros for :data:`NO_ACTION`."""
     code = np.zeros(len(Action), np.int8)
     code[action:][:1] = 1
     return code
 
 
 def decoded_action(code: NDArray[np.int8]) -> int:
-    """The action of a ``last_action``, (7,) int8; :data:`NO_ACTION` for zeros."""
+    """The action that a ``last_action``, (7,) int8, encodes; :data:`NO_ACTION` for zeros."""
     return int(code.argmax()) if code.any() else NO_ACTION

@@ -1,4 +1,4 @@
-"""The search of an episode, at its start: by an agent on the grid, or by a robot."""
+"""Begins the search of an episode, by an agent on the grid or by a robot."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from ucon.task.search import Eyes, Pose, Search
 
 
 def begun_search(episode: Episode, world: Any, eyes: Eyes, rules: TaskRules, rig: RobotRig | None = None) -> Search:
-    """The search of an episode, at its start.
+    """A new search of an episode, before its first step.
 
     Args:
         episode: the episode.
         world: its home with its arrangement, compiled or in PyBullet.
-        eyes: a renderer, loaded with it.
+        eyes: a renderer with this world loaded.
         rules: the rule set.
-        rig: of the robot, under rules that have one; None: the default.
+        rig: the robot's rig, under rules with a robot; None: the default rig.
 
     Raises:
-        EpisodeError: the robot is too large for the start.
+        EpisodeError: the robot is too wide for the start.
     """
     start, target = episode.start, world.house.n_instances + episode.target
     if not rules.continuous:

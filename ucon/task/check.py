@@ -1,4 +1,4 @@
-"""Checks that an episode fits the home that it names."""
+"""Checks that an episode fits its home."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ def check_home(episode: Episode, house: House) -> None:
         house: the compiled home of its ``scene``.
 
     Raises:
-        EpisodeError: it was made for another version of the home, or names a node or instance that the home lacks.
+        EpisodeError: the episode was made for another version of the home, or names a node or instance that the home
+            lacks.
     """
     where = f"episode {episode.id}"
     if house.spec.hash != episode.home_hash:

@@ -22,11 +22,11 @@ def check_data(episode: Any, where: str) -> None:
     """Refuse an episode whose data cannot be right in any home.
 
     Args:
-        episode: an :class:`ucon.task.episode.Episode`, whose module calls this one.
+        episode: an :class:`ucon.task.episode.Episode` (not in the signature: that module imports this one).
         where: names file and line in the error.
 
     Raises:
-        EpisodeError: naming the first wrong field and what was expected.
+        EpisodeError: names the first wrong field and what was expected.
     """
     for name in _TEXTS:
         value = getattr(episode, name)

@@ -30,8 +30,7 @@ class Start:
 class Episode(Shared):
     """One search: a home, what was placed in it, the household's habits, and the target.
 
-    Privileged are the arrangement, the entries' placements and ``solution``, the actions of a shortest solution as
-    digits.
+    The arrangement, the entries' placements and ``solution`` are privileged: agents must not read them.
     """
 
     id: str
@@ -44,28 +43,28 @@ class Episode(Shared):
     habits_hash: str
     """SHA-256 of the habit dataset."""
     task: str
-    """Rule set under which it is solvable."""
+    """Rule set under which the episode is solvable."""
     seed: int
     split: str
-    """Label of its part of a set."""
+    """Label of the group within its set."""
     arrangement: Arrangement
     """What was removed from the home and what was placed in it."""
     target: int
     """Index of the target in ``arrangement.objects``."""
     placed_by: tuple[tuple[str, int], ...]
-    """By object: (entry id, index of the placement) that put it there; ("", -1) for anchors that were added."""
+    """For each object, the placement that put it there as (entry id, placement index); ("", -1) for added anchors."""
     entries: tuple[str, ...]
-    """Ids of the entries whose habits are the knowledge base: all of the household for the sampled categories."""
+    """Ids of the entries whose habits form the knowledge base: all the household's entries of the placed categories."""
     task_entries: tuple[str, ...]
-    """One entry a category, that of the drawn placement: the knowledge base of mode ``task``."""
+    """One entry per category, that of the drawn placement: the knowledge base of mode ``task``."""
     start: Start
     """The agent's first pose."""
     shortest_path_m: float
-    """Length of the shortest solution, metres; l of the SPL."""
+    """Length of the shortest solution, metres; the l of SPL."""
     solution: str
     """Actions of a shortest solution, as digits."""
     context: Context | None = None
-    """Time and asker, where the episode states them; placements then follow it."""
+    """Time and asker, where the episode states them; the placements then follow this context."""
 
     @property
     def target_object(self) -> PlacedObject:
@@ -142,5 +141,5 @@ def _plain(value: Any) -> Any:
 
 
 def _frozen(value: Any) -> Any:
-    """The value with its lists turned into tuples."""
+    """The value with its lists turned into tuples, recursively."""
     return tuple(_frozen(v) for v in value) if isinstance(value, list) else value

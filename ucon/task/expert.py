@@ -1,9 +1,9 @@
-"""The privileged expert: the best next action from any pose, whatever was opened before. For trainers only.
+"""The privileged expert, for trainers only: the best next action from any pose, whatever was opened before.
 
-An episode stores one shortest solution from its start. A policy in training leaves that path and needs a label from
-where it is. Of all ways to success the expert prefers the fewest moves, and among those the fewest steps. It knows
-every view in which Done succeeds and every view in which Open opens the target's container, and the distances of all
-nodes, headings and views from them.
+An episode stores one shortest solution from its start. A policy in training leaves that path and needs a label wherever
+it is. Of all action sequences that succeed, the expert prefers the fewest moves, and among those the fewest steps. It
+computes every view in which Done succeeds, every view in which Open opens the target's container, and the distance to
+them from all nodes, headings and views.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ _At: TypeAlias = tuple[int, int, int, int]
 
 @dataclass(frozen=True)
 class _Ends:
-    """Poses at which one kind of last action (Done, or Open) works, and what remains from there."""
+    """Poses at which one kind of final action (Done or Open) works, and what remains to be done from there."""
 
     moves: NDArray[np.int32]
-    """(nx, ny, 4, V) moves still needed after it."""
+    """(nx, ny, 4, V) moves still needed after this action."""
     steps: NDArray[np.int32]
-    """(nx, ny, 4, V) steps still needed, itself included."""
+    """(nx, ny, 4, V) steps still needed, this action included."""
 
     @classmethod
     def none(cls, shape: tuple[int, ...]) -> _Ends:
@@ -70,11 +70,11 @@ class Expert:
         """Load the episode's home.
 
         Args:
-            episode: to be solved under its own rules.
+            episode: the episode, solved under its own rules.
             eyes: a renderer; the episode's home is loaded into it, so it must not be in use elsewhere.
 
         Raises:
-            ConfigError: its rules have no grid.
+            ConfigError: the episode's rules have no grid.
         """
         self.rules = task_rules(episode.task)
         self.rules.require_grid(f"episode {episode.id}: the expert needs shortest solutions on the grid")
@@ -84,7 +84,7 @@ class Expert:
         self._world = SceneState(house, episode.arrangement)
         self._target = house.n_instances + episode.target
         self._solver = Solver(self._world, self._eyes, self._target, self.rules)
-        self._views = sorted(self.rules.views)  # LookUp goes to the next
+        self._views = sorted(self.rules.views)  # LookUp goes to the next one
         self._plans: dict[frozenset[int], _Plan] = {}
 
     def action(self, search: Search) -> Action | None:
@@ -119,7 +119,7 @@ class Expert:
         return None if moves < 0 or steps >= _NEVER else (int(moves), int(steps))
 
     def _leads(self, plan: _Plan, here: _At, action: Action) -> bool:
-        """Whether an action leaves one step less to go, and no more moves."""
+        """Whether an action leaves one step fewer to go without adding moves."""
         i, j, heading, view = here
         moves, steps = plan.moves[i, j], plan.steps[here] - 1
         if action == Action.MOVE_AHEAD:
@@ -181,7 +181,7 @@ class Expert:
         return _Plan(moves, _fewest_steps(moves, order, last), done, opening)
 
     def _openings(self, opened: frozenset[int]) -> list[tuple[frozenset[int], list[_At]]]:
-        """Sets of containers that one Open opens, the target's among them, with the poses where it does."""
+        """Sets of containers that one Open opens, the target's among them, with the poses at which it does so."""
         closed = np.array(sorted(set(np.flatnonzero(self._world.openable).tolist()) - opened))
         sets: dict[frozenset[int], list[_At]] = {}
         self._show(opened, 1.0)
@@ -224,8 +224,8 @@ def _fewest_steps(moves: I32, order: I32, last: I32) -> I32:
 
     Args:
         moves: (nx, ny) int32, fewest moves, -1 for none.
-        order: (n, 2) int32, the nodes with a path, by ``moves``.
-        last: (nx, ny, 4, V) int32, steps where a path may end at that pose.
+        order: (n, 2) int32, the nodes with a path, sorted by ``moves``.
+        last: (nx, ny, 4, V) int32, steps still needed at poses where a path may end.
 
     Returns:
         (nx, ny, 4, V) int32.

@@ -1,4 +1,4 @@
-"""The running metrics of an episode, and the distance that a progress reward is made of."""
+"""The running metrics of an episode, and the distance used by the progress reward."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ class Ledger(PartlyShared):
         moves: MoveAhead actions that were not blocked.
         opens: Open actions.
         collisions: blocked MoveAhead actions.
-        first_seen_step: step after which the target was first visible; -1: never yet.
+        first_seen_step: step after which the target was first visible; -1: not yet.
         in_reach: whether Done would have succeeded at some step.
         stopped: whether Done was called.
-        success: whether it succeeded.
-        path_xy: places of the path, metres in the world frame.
+        success: whether Done succeeded.
+        path_xy: positions along the path, metres in the world frame.
     """
 
     _shared: ClassVar[frozenset[str]] = frozenset({"episode"})
@@ -60,8 +60,8 @@ class Ledger(PartlyShared):
         """Count a step that the search has just taken.
 
         Args:
-            action: what was done.
-            outcome: what the search answered.
+            action: the action taken.
+            outcome: its effect, as the search returned it.
         """
         self.steps += 1
         self.collisions += outcome.collision
@@ -73,9 +73,9 @@ class Ledger(PartlyShared):
         self._note_target()
 
     def to_goal_m(self) -> float:
-        """Path length in metres to the node of the stored solution's Open and on to its last node.
+        """Path length in metres via the node of the stored solution's Open to its last node.
 
-        Once the target's container is open (or without one), to the last node alone.
+        Once the target's container is open, or if there is none, the length to the last node alone.
         """
         here = (self.search.pose.i, self.search.pose.j)
         holder = self.episode.target_object.holder
@@ -110,7 +110,7 @@ class Ledger(PartlyShared):
         return self.moves * GRID_M
 
     def _start_and_final_m(self) -> tuple[float, float]:
-        """Path length in metres from the start, and from here, to the last node of the stored solution."""
+        """Path lengths in metres from the start and from here to the last node of the stored solution."""
         start, pose, field = self.episode.start, self.search.pose, self._field(self._end)
         return float(field[start.i, start.j]) * GRID_M, float(field[pose.i, pose.j]) * GRID_M
 

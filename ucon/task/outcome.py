@@ -19,17 +19,17 @@ class EpisodeOutcome:
     steps: int
     """Actions taken."""
     path_length_m: float
-    """Metres moved; p of the SPL."""
+    """Metres moved; the p of SPL."""
     shortest_path_m: float
-    """Metres of the shortest solution; l of the SPL."""
+    """Length of the shortest solution, metres; the l of SPL."""
     final_distance_m: float
-    """Path length from the last node to the end of the stored solution, metres."""
+    """Path length from the agent's last node to the end of the stored solution, metres."""
     start_distance_m: float
     """Path length from the start to the end of the stored solution, metres."""
     opens: int
     """Open actions."""
     containers_opened: int
-    """Containers that they opened."""
+    """Containers that these actions opened."""
     collisions: int
     """Blocked moves."""
     first_seen_step: int
@@ -50,13 +50,13 @@ class EpisodeOutcome:
 
     @property
     def soft_spl(self) -> float:
-        """SPL with the share of the start distance that was covered in place of success, in [0, 1]."""
+        """SPL with success replaced by the share of the start distance that was covered, in [0, 1]."""
         closed = 1.0 if self.success else max(0.0, 1.0 - self.final_distance_m / max(self.start_distance_m, 1e-9))
         return closed * self._path_ratio
 
     @property
     def failure_cause(self) -> FailureCause:
-        """Why it failed; ``none`` for a success.
+        """Why the episode failed; ``none`` for a success.
 
         ``out_of_steps``: Done would have succeeded at some step but was never called.
         """

@@ -1,4 +1,4 @@
-"""Files of compressed JSON lines, one item a line; those that the manifest of their folder lists are verified by it."""
+"""Files of compressed JSON, one item per line; files listed in their folder's manifest are verified against it."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ _REMEDY = "restore it or make it again"
 
 
 def read_lines(path: Path, what: str, most: int) -> Iterator[tuple[Any, str]]:
-    """Value of every line, with file and line number.
+    """Yield the value of every line, with file and line number as text.
 
     Args:
         path: of the file.
         what: the items in words, for errors.
-        most: largest size when unpacked, bytes.
+        most: largest allowed size when unpacked, bytes.
 
     Raises:
         DataError: the file cannot be read, is truncated or altered.
-        EpisodeError: a line is not JSON, or there is none.
+        EpisodeError: a line is not JSON, or the file has no lines.
     """
     try:
         raw = read_verified(path) if _in_manifest(path) else read_bounded(path, most)
@@ -50,9 +50,9 @@ def write_lines(items: Iterable[Any], path: Path, suffix: str) -> None:
     """Write items, each by its ``to_json``, and update the folder's manifest; the same items give the same bytes.
 
     Args:
-        items: in order.
+        items: the items, in order.
         path: of the file.
-        suffix: of all such files of the folder.
+        suffix: ending of all such files in the folder.
 
     Raises:
         EpisodeError: the file's name does not end in the suffix.

@@ -11,11 +11,11 @@ class Reward:
 
     Attributes:
         success: for a successful Done.
-        failed_done: for another Done.
+        failed_done: for a failed Done.
         step: for every step.
         collision: for a blocked move.
-        progress: for every metre nearer to the next goal of the stored solution (the node where its container is
-            opened, then the node where Done succeeds); a difference of potentials.
+        progress: for every metre nearer to the goal along the stored solution (via the node where the container is
+            opened to the node where Done succeeds); a difference of potentials.
     """
 
     success: float = 10.0
@@ -31,7 +31,7 @@ class Reward:
             success: whether Done succeeded.
             done: whether Done was called.
             collision: whether a move was blocked.
-            closer_m: metres nearer to the next goal.
+            closer_m: metres nearer to the goal than before.
         """
         ending = (self.success if success else self.failed_done) if done else 0.0
         return ending + self.step + self.collision * collision + self.progress * closer_m

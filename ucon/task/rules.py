@@ -1,11 +1,11 @@
 """The rule sets: ``paper`` (default), ``released_code`` and ``real_robot``.
 
-Where the released environment differs from the paper: LookUp and LookDown move the camera (0.5 / 1.0 / 1.5 m) and never
-pitch it; near is a rectangle of 0.7 m around the box; Open needs no sight; Done needs one pixel of the target's
-category anywhere in view.
+The released environment differs from the paper in four points: LookUp and LookDown move the camera (0.5 / 1.0 / 1.5 m)
+and never pitch it; near means within 0.7 m of the box in x and in y; Open needs no sight of what it opens; Done needs
+one pixel of the target's category anywhere in view.
 
-The real-robot setting of the paper: the camera sees 60 degrees and turns by as much, it stands on rods on the back of a
-quadruped, and the robot moves continuously. How it moves and senses are options of its rig, not rules.
+In the paper's real-robot setting the camera stands on rods on the back of a quadruped, its angle of view is 60 degrees,
+a turn is 60 degrees, and the robot moves continuously. How exactly it moves and senses is set in its rig, not here.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class TaskRules(Shared):
 
     name: str
     max_steps: int = 300
-    """An episode is truncated after so many steps."""
+    """Steps after which an episode is truncated."""
     near_m: float = 1.0
     """Reach of Open and Done, metres."""
     near_is_rectangle: bool = False
@@ -34,9 +34,9 @@ class TaskRules(Shared):
     open_needs_sight: bool = True
     """Whether Open acts only on what is visible."""
     done_min_pixels: int = 4
-    """Least pixels of the target in the canonical view: 128 x 128, 90 degrees."""
+    """Least pixels of the target in the canonical view: 128 x 128 pixels, ``fov_deg`` wide."""
     done_by_category: bool = False
-    """Whether pixels of any thing of the target's category count."""
+    """Whether pixels of any object of the target's category count."""
     open_min_pixels: int = 4
     """Least pixels of a container in the canonical view."""
     look_moves_camera: bool = False
@@ -44,7 +44,7 @@ class TaskRules(Shared):
     camera_heights_m: tuple[float, ...] = (1.25,)
     """Heights of the camera above the floor."""
     start_height: int = 0
-    """Index of the first height."""
+    """Index of the camera height at the start."""
     max_pitch_deg: int = 60
     pitch_step_deg: int = 30
     """Pitch of a LookUp or LookDown, degrees."""
@@ -90,10 +90,10 @@ class TaskRules(Shared):
         return [{"name": name, "effect": effect} for name, effect in zip(names, effects, strict=True)]
 
     def require_grid(self, what: str) -> None:
-        """Refuse what knows only the nodes of the grid.
+        """Refuse rules without a grid, for code that works on its nodes only.
 
         Args:
-            what: is refused, with its reason; begins the message.
+            what: what is refused and why; begins the message.
 
         Raises:
             ConfigError: the robot moves continuously under these rules.
@@ -103,7 +103,7 @@ class TaskRules(Shared):
 
     @property
     def headings(self) -> int:
-        """Number of headings of a full turn."""
+        """Number of headings in a full turn."""
         return 360 // self.turn_deg
 
     @property
@@ -132,12 +132,12 @@ RULES = {rules.name: rules for rules in (PAPER, RELEASED_CODE, REAL_ROBOT)}
 
 
 def task_rules(name: str, least_pixels: int | None = None) -> TaskRules:
-    """The rule set of a name.
+    """The rule set with the given name.
 
     Args:
         name: of the rule set.
-        least_pixels: that Done and Open ask for, where they ask for any; None: as the rule set has it. Stored episodes
-            are solvable under the rules as they are; with more pixels some may not be.
+        least_pixels: least pixels for Done and Open, where they require any; None: as in the rule set. Stored episodes
+            are solvable under the unchanged rules; with more pixels some may not be.
 
     Raises:
         ConfigError: there is no such rule set, or ``least_pixels`` is below 1.

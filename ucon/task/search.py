@@ -1,7 +1,7 @@
 """The state of a running search: the agent's pose, what was opened, and the effect of a step.
 
-It moves an agent on the grid of a :class:`SceneWorld` (compiled arrays or the live PyBullet client) and asks a renderer
-what is visible. The environments add observations; the sampler and the oracle use it directly.
+A search moves an agent on the grid of a :class:`SceneWorld` (compiled arrays or the live PyBullet client) and asks a
+renderer what is visible. The environments add observations; the sampler and the oracle use a search directly.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from ucon.task.rules import PAPER, TaskRules
 
 
 class SceneWorld(Protocol):
-    """What a search needs of the world: compiled arrays, or PyBullet."""
+    """What a search needs from the world, which is compiled arrays or PyBullet."""
 
     house: House
     arrangement: Arrangement
@@ -39,7 +39,7 @@ class SceneWorld(Protocol):
 
 
 class Eyes(Protocol):
-    """What the rules need of a renderer."""
+    """What the rules need from a renderer."""
 
     def set_open(self, instance: int, fraction: float) -> None:
         """Show an instance opened by a fraction from 0 to 1."""
@@ -78,7 +78,7 @@ class StepOutcome:
         collision: a move was blocked.
         opened: instances that Open opened.
         done: Done was called.
-        success: it succeeded.
+        success: Done succeeded.
     """
 
     collision: bool = False
@@ -106,7 +106,7 @@ class Search(PartlyShared):
 
         Args:
             world: the home and what was placed in it.
-            eyes: the renderer, loaded with it.
+            eyes: the renderer, with this world loaded.
             target: instance of the target.
             start: the agent's first pose.
             rules: the rule set.
@@ -136,7 +136,7 @@ class Search(PartlyShared):
 
     @property
     def counts(self) -> NDArray[np.int32]:
-        """(n,) pixels of every instance in the canonical view from the current pose; computed once a step."""
+        """(n,) pixels of every instance in the canonical view from the current pose; computed once per step."""
         if self._counts is None:
             self._counts = self.eyes.visible(*self.camera)
         return self._counts
@@ -176,7 +176,7 @@ class Search(PartlyShared):
         return bool(near[0]) and self.target_visible()
 
     def metres_to_near(self, instance: int) -> float:
-        """Metres to within reach of an instance, as the crow flies; 0 within it."""
+        """Straight-line metres until an instance is within reach; 0 if it already is."""
         x, y = self.xy
         box = self._near_boxes[instance]
         gap_x, gap_y = max(box[0] - x, x - box[3], 0.0), max(box[1] - y, y - box[4], 0.0)
@@ -192,7 +192,7 @@ class Search(PartlyShared):
         return tuple(int(k) for k in candidates)
 
     def _open(self) -> tuple[int, ...]:
-        """Open what can be opened; the instances."""
+        """Open what can be opened, and return the instances."""
         instances = self.would_open()
         for instance in instances:
             self.opened[instance] = True
@@ -203,7 +203,7 @@ class Search(PartlyShared):
         return instances
 
     def _move(self) -> bool:
-        """Move ahead; whether that was possible."""
+        """Move ahead, and return whether that was possible."""
         di, dj = AHEAD[self.pose.heading]
         i, j = self.pose.i + di, self.pose.j + dj
         nx, ny = self._free.shape

@@ -1,8 +1,8 @@
-"""Episode sets: compressed JSON lines, one episode a line, verified against a SHA-256 manifest.
+"""Episode sets: compressed JSON lines, one episode per line, verified against a SHA-256 manifest.
 
-A named set has one file for each rule set, since shortest paths hold under the rules by which they were found: ``mini``
-is the paper's, ``mini.released_code`` the released environment's, ``mini.real_robot`` the robot's, and ``mini.context``
-has episodes that state their context.
+A named set has one file for each rule set, since a shortest path is valid only under the rules it was found with:
+``mini`` is the version for the paper's rules, ``mini.released_code`` for the released environment's and
+``mini.real_robot`` for the robot's; the episodes of ``mini.context`` state their context.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from ucon.task.rules import PAPER, RULES, task_rules
 
 SUFFIX = ".jsonl.xz"
 CONTEXT = "context"
-#: Ending of sets whose episodes all state a context: they have no other version.
+#: Name ending of sets whose episodes all state a context; these sets have no version without it.
 STATING = "_context"
 #: Folder of episode sets in a pack, see :func:`pack_sets`.
 IN_PACK = "episodes"
-#: Largest set when unpacked, bytes: some thirty thousand episodes.
+#: Largest set when unpacked, bytes: about thirty thousand episodes.
 _MAX_BYTES = 256 * 2**20
 _PACKAGE = Path(__file__).parent / "data"
 _CLONE = Path(ucon.__file__).parents[1] / "episodes"
@@ -36,7 +36,7 @@ def set_name(name: str, task: str = PAPER.name, *, context: bool = False) -> str
     Args:
         name: of the set.
         task: rule set under which it was made.
-        context: whether its episodes state their context.
+        context: whether the version's episodes state their context.
     """
     rules = task_rules(task)
     suffix = f".{CONTEXT}" if context and not name.endswith(STATING) else ""
@@ -46,7 +46,7 @@ def set_name(name: str, task: str = PAPER.name, *, context: bool = False) -> str
 def episode_sets() -> dict[str, Path]:
     """The named sets on this machine and their files.
 
-    ``mini`` is in the package, others are in ``episodes/`` of a clone, further ones in a pack.
+    ``mini`` is in the package; the others are in ``episodes/`` of a clone or in a pack.
 
     Raises:
         ConfigError: ``UCON_PACK`` names no folder.
@@ -69,11 +69,11 @@ def load_episodes(name_or_path: str | Path, task: str = PAPER.name, *, context: 
 
     Args:
         name_or_path: ``mini``, ``val``, ``test``, or a file.
-        task: rule set; of a named set the version made under it is loaded.
-        context: the version whose episodes state their context.
+        task: rule set; for a named set, the version made under it is loaded.
+        context: load the version whose episodes state their context.
 
     Raises:
-        EpisodeError: no such set, none under these rules, or a line is not a usable episode.
+        EpisodeError: no such set, no version for these rules, or a line is not a usable episode.
         DataError: the file is truncated or altered.
     """
     name, sets = str(name_or_path), episode_sets()
@@ -129,7 +129,7 @@ def pack_sets(names: Iterable[str], folder: Path) -> list[Path]:
 
     Args:
         names: named sets (all their versions are copied) or files.
-        folder: where to.
+        folder: destination.
 
     Returns:
         The copied files.

@@ -1,8 +1,8 @@
-"""The shortest legal solution of a search, by rendering every pose from which it could succeed.
+"""The shortest legal solution of a search, found by rendering every pose from which it could succeed.
 
-The shortest path l counts the metres of moves. For a target behind a closed door these lead to a node where Open works
+The shortest path l counts the metres moved. For a target behind a closed door the path leads to a node where Open works
 on its container, and then to a node, heading and view where Done succeeds. Whatever else the same Open would open is
-opened too, so that the solution is legal and the oracle can walk it as it is.
+opened too, so that the solution is legal and the oracle can execute it as stored.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ucon.task.actions import AHEAD, Action
 from ucon.task.rules import TaskRules
 from ucon.task.search import Eyes, Pose, SceneWorld
 
-#: Most sets of containers that one Open can open that are tried, the smallest first.
+#: How many sets of containers that one Open can open are tried at most, the smallest first.
 MAX_OPEN_SETS = 6
 
 
@@ -55,7 +55,7 @@ class Solver:
 
         Args:
             world: the home and what was placed in it.
-            eyes: a renderer loaded with it.
+            eyes: a renderer with this world loaded.
             target: instance of the target.
             rules: the rule set.
         """
@@ -63,14 +63,14 @@ class Solver:
 
     @cached_property
     def direct(self) -> dict[tuple[int, int], Pose]:
-        """By node, a pose at which Done succeeds with every container closed."""
+        """For each node, a pose at which Done succeeds with every container closed."""
         return self._done_poses(())
 
     @cached_property
     def opened(self) -> list[tuple[dict[tuple[int, int], Pose], dict[tuple[int, int], Pose]]]:
         """For each set of containers that one Open opens, two dictionaries from node to pose.
 
-        The first has the poses where Open opens this set, the second those where Done then succeeds.
+        The first has the poses at which Open opens this set, the second those at which Done then succeeds.
         """
         holder = self._holder()
         if holder < 0:
@@ -80,7 +80,7 @@ class Solver:
 
     @property
     def findable(self) -> bool:
-        """Whether the target is visible and within reach from any pose, with its container open; stops at the first."""
+        """Whether the target is visible and within reach from any pose with its container open; stops at the first."""
         holder = self._holder()
         opened = (holder,) if holder >= 0 else ()
         self._set_open(opened, 1.0)
@@ -113,7 +113,7 @@ class Solver:
         return best
 
     def solve(self, start: Pose) -> Solution | None:
-        """A shortest solution from a pose, or None; among equals the one with the fewest steps that was found."""
+        """A shortest solution from a pose, or None; of equally short ones found, the one with the fewest steps."""
         best: Solution | None = None
         for solution in self._solutions(start):
             if best is None or (solution.moves, len(solution.actions)) < (best.moves, len(best.actions)):
@@ -147,7 +147,7 @@ class Solver:
     def _finish(
         self, at: Pose, field: NDArray[np.int32], done: dict[tuple[int, int], Pose], actions: list[int], moves: int
     ) -> Solution:
-        """Append the way from a pose to a successful Done."""
+        """Append the actions from a pose to a successful Done."""
         more, pose, walked = _walk(field, at, stop=lambda c: c in done)
         end = _aim(pose, done[pose.i, pose.j], self.rules)
         return Solution(tuple(actions + more + end + [int(Action.DONE)]), moves + walked)
@@ -191,7 +191,7 @@ class Solver:
         return self.eyes.visible(float(x), float(y), z, pose.heading, pose.pitch_deg)
 
     def _done_poses(self, opened: tuple[int, ...]) -> dict[tuple[int, int], Pose]:
-        """By node, a pose at which Done succeeds with the given containers open."""
+        """For each node, a pose at which Done succeeds with the given containers open."""
         self._set_open(opened, 1.0)
         poses = {(pose.i, pose.j): pose for pose in self._successes()}
         self._set_open(opened, 0.0)
@@ -206,7 +206,7 @@ class Solver:
                     break
 
     def _open_sets(self, holder: int) -> list[tuple[tuple[int, ...], dict[tuple[int, int], Pose]]]:
-        """Sets of containers that one Open opens, ``holder`` among them, with the poses where it does."""
+        """Sets of containers that one Open opens, ``holder`` among them, with the poses at which it does so."""
         sets: dict[tuple[int, ...], dict[tuple[int, int], Pose]] = {}
         openable = np.flatnonzero(self.world.openable)
         for node in self.near_nodes(holder):
@@ -240,12 +240,12 @@ def box_in_view(
     pitch_deg: int,
     tan_half: float = 1.0,
 ) -> bool:
-    """Conservative test of a box against the side and top planes of a view.
+    """Whether part of a box may be in view: False only if all its corners are outside the same plane of the view.
 
     Args:
-        xs: from and to, metres, relative to the camera.
-        ys: from and to.
-        zs: from and to.
+        xs: least and greatest x of the box, metres relative to the camera.
+        ys: least and greatest y.
+        zs: least and greatest z.
         ahead: cosine and sine of the yaw.
         pitch_deg: up positive.
         tan_half: tangent of half the angle of view.
@@ -274,7 +274,7 @@ def _sources(poses: dict[tuple[int, int], Pose]) -> tuple[NDArray[np.int64], Non
 
 
 def _walk(field: NDArray[np.int32], start: Pose, stop) -> tuple[list[int], Pose, int]:  # type: ignore[no-untyped-def]
-    """Actions down a distance field until ``stop(cell)``, the pose there and the moves; straight on where possible."""
+    """Follow a distance field down until ``stop(cell)``, straight where possible; actions, pose there and moves."""
     actions: list[int] = []
     i, j, heading, moves = start.i, start.j, start.heading, 0
     nx, ny = field.shape

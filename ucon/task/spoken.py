@@ -12,7 +12,7 @@ _STRUCTURE: Final = {"floors": "floor", "walls": "wall", "ceilings": "ceiling"}
 
 
 def spoken_place(relation: str, anchor: str) -> str:
-    """A placement in English.
+    """A placement as an English phrase.
 
     Args:
         relation: one of the four relations, or ``imported``.

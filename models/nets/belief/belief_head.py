@@ -1,9 +1,9 @@
 """The belief head: maps habits and candidate anchors to a distribution over the target's places.
 
 A candidate's score is the sum of two paths. The direct path adds up what the habits say for the candidate, each
-weighted by its relevance to the target; nearly all of the gain comes from it. The other path attends from (target,
-candidate) pairs to the sentences, with pair features as bias and relevance as gate. Candidates do not see each other,
-and habits only enter through sums, so neither order nor number of either matters.
+weighted by its relevance to the target; nearly all of the gain comes from this path. The other path attends from
+(target, candidate) pairs to the sentences, with pair features as bias and relevance as gate. Candidates do not see each
+other, and habits enter only through sums and maxima, so there can be any number of either, in any order.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _LEAST: Final = 1e-4
 NEVER: Final = -60.0
 SENTENCE_SCALE: Final = DIM**0.5
 """Unit vectors of DIM components times this have components of about 1."""
-#: Columns of the direct path beside its channels: prior, likeness of names, gated sum and maximum, kinds, context.
+#: Columns of the direct path besides its channels: prior, similarity of names, gated sum and maximum, kinds, context.
 N_DIRECT: Final = 4 + N_CANDIDATE + 5
 
 
@@ -67,7 +67,7 @@ class HeadOutputs:
     anchor: Tensor
     """(T, C) logits; NEVER where a candidate cannot be the anchor."""
     unseen: Tensor
-    """(T,) logit of everything that is no candidate."""
+    """(T,) logit of everything that is not a candidate."""
     relation: Tensor
     """(T, C, 4) logits of the relation given the anchor."""
     relevance: Tensor
@@ -93,14 +93,14 @@ class BeliefHead(nn.Module):
         evidence: use the outputs of the evidence reader.
         gate: weight habits by their relevance.
         sentences: use sentence and name vectors, which the attention path reads.
-        prior: use the prior of what is usual.
+        prior: use the prior of usual places.
         pools: give the direct path the pair inputs too, pooled over the habits. It helps with text that the evidence
             reader was not fitted on; on the habit book it does not.
         mixture: give the direct path, as its initial score, the log of what the habits say plus the scaled prior. The
             reader of a dataset's own sentences was fitted in that form (:mod:`ucon.fitting.scene_evidence`).
 
     Raises:
-        ConfigError: a size below 1, a width that is no multiple of the heads, or a dropout outside [0, 1).
+        ConfigError: a size below 1, a width that the heads do not divide, or a dropout outside [0, 1).
     """
 
     def __init__(
@@ -200,7 +200,7 @@ class BeliefHead(nn.Module):
     def _gate(self, relevance: Tensor, x: Inputs) -> Tensor:
         """(T, H) weight of each habit for each target, 0 where the habit is not given.
 
-        It is at most 1, but above where the habit's condition holds in the told context.
+        It is at most 1, except where the habit's condition holds in the given context.
         """
         known = torch.ones_like(relevance) if not self.gate else relevance.sigmoid()
         gate = torch.where(x.trusted[:, None], 1.0, known) * x.given

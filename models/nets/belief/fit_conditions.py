@@ -42,14 +42,14 @@ HOLDS: Final = (1.0, 2.0, 4.0, 8.0)
 FAILS: Final = (1.0, 0.3, 0.1, 0.03)
 SHARPNESS: Final = (1.0, 2.0, 3.0)
 GRID: Final = tuple(Strength(*pair) for pair in product(HOLDS, FAILS))
-#: For the fitted reader, whose mixing weights are not fitted to habits that count differently.
+#: For the fitted reader, whose mixing weights were fitted to habits that all count alike.
 SHARPER: Final = tuple(Strength(*three) for three in product(HOLDS, FAILS, SHARPNESS))
-#: Retrieval fails to tell strengths apart that differ by less than this share.
+#: Strengths whose shares in retrieval differ by less than this count as equally good.
 _SAME: Final = 0.005
 
 _DENSE: Final = DenseRetriever()
 
-#: From target, sentences, (G, H) weights of them by G strengths, the strengths and an anchor to its (G,) probability.
+#: From target, sentences, their (G, H) weights by G strengths, the strengths and an anchor to its (G,) probabilities.
 Likelihood = Callable[[str, tuple[str, ...], Array, Sequence[Strength], str], Array]
 
 
@@ -168,7 +168,7 @@ def fitted() -> tuple[ConditionReader, Mapping[str, Mapping[str, float]]]:
     conditions, found = fit_conditions(book()), cases()
     shares = retrieved_shares(found, conditions)
     best = max(shares.values()) - _SAME
-    # of equally good ones the weakest: a sentence that is misread then still has a chance
+    # the weakest of equally good strengths, so that a misread sentence still has a chance
     conditions.strengths["retrieval"] = min((s for s in GRID if shares[s] >= best), key=lambda s: s.holds / s.fails)
     figures: dict[str, Mapping[str, float]] = {
         "retrieval": {"unweighted": shares[GRID[0]], "chosen": shares[conditions.strengths["retrieval"]]}

@@ -1,7 +1,7 @@
 """A reader of habits by the belief head, with the same interface as the fitted anchor reader.
 
-``models.agents.belief.ReadHabits(HeadReader.load())``. Candidates may be added during an episode; each name is scored
-once.
+An agent uses it as ``models.agents.belief.ReadHabits(HeadReader.load())``. Candidates may be added during an episode;
+each name is scored once.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class HeadReading:
         target: category that is looked for.
         household: the habits as the fitted parts read them.
         trusted: True if all habits are about the target.
-        holds: (H,) how much each habit counts in the told context; None: none was told.
+        holds: (H,) how much each habit counts in the given context; None: no context was given.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class HeadReading:
 
     @property
     def telling(self) -> Array:
-        """(H,) how much each habit says where the target is, 0 to 1."""
+        """(H,) how much each habit says about where the target is, 0 to 1."""
         return self.relevance * self.household.said.place
 
     def support(self, anchor: str) -> Array:
@@ -141,7 +141,7 @@ class HeadReader:
             head: trained; is set to evaluation mode.
             parts: fitted parts that read the sentences for it; the shipped ones by default.
             weights: hash of its files.
-            conditions: reads which sentences hold in a told context; the shipped one, loaded at first use.
+            conditions: reads which sentences hold in a given context; the shipped one, loaded at first use.
         """
         self.head = head.eval()
         self.parts = parts or default_parts()
@@ -177,7 +177,7 @@ class HeadReader:
 
     @property
     def conditions(self) -> ConditionReader:
-        """Reads which sentences hold in a told context."""
+        """Reads which sentences hold in a given context."""
         return self._conditions or default_conditions()
 
     def fingerprint(self) -> str:
@@ -193,14 +193,14 @@ class HeadReader:
             target: category that is looked for.
             texts: the habits.
             trusted: True if all of them are about the target (level ``gt``).
-            context: that was told: habits that do not hold in it count less, those that do count more.
+            context: the context given, if any; habits that do not hold in it count less, those that do count more.
         """
         return self.read_all([target], texts, trusted=trusted, context=context)[0]
 
     def read_all(
         self, targets: Sequence[str], texts: Sequence[str], *, trusted: bool = False, context: Context | None = None
     ) -> list[HeadReading]:
-        """Read the same habits for several targets in one forward pass; arguments as of :meth:`read`."""
+        """Read the same habits for several targets in one forward pass; arguments as for :meth:`read`."""
         given = tuple(texts)
         if self._last is None or self._last[0] != given:
             self._last = (given, Household(self.parts, given))
@@ -281,10 +281,10 @@ def _built(options: Any, config: Path) -> BeliefHead:
 
 
 def _described(config: Path) -> dict[str, Any]:
-    """Content of the configuration beside a head's weights.
+    """Content of the configuration stored with a head's weights.
 
     Raises:
-        DataError: it is missing or altered, or no JSON object.
+        DataError: it is missing or altered, or is not a JSON object.
     """
     try:
         found = parse_json(read_verified(config))

@@ -1,4 +1,4 @@
-"""Measures belief head or fitted reader on held-out habits: ``python -m ucon data measure-head``.
+"""Measures the belief head or the fitted reader on held-out habits: ``python -m ucon data measure-head``.
 
 On the habit book: households of 20 test categories, all anchors of the book as candidates, in mode ``task`` (one entry
 per category, about 200 habits) and ``category`` (all entries). On the official release (``--official FOLDER``):
@@ -102,7 +102,7 @@ def main(words: Sequence[str]) -> None:
 
     Raises:
         ConfigError: ``--kbs`` below 1.
-        DataError: files of head or release are missing or damaged.
+        DataError: files of the head or the release are missing or damaged.
     """
     parser = argparse.ArgumentParser(prog="ucon data measure-head", description="Measure beliefs on held-out habits.")
     parser.add_argument("--run", metavar="RUN", help="a run of learner=belief; default: the shipped head")

@@ -39,7 +39,7 @@ class Advisor:
         return self._language.name
 
     def check(self) -> None:
-        """Raise an error of one line where the model's weights or its server's key are missing."""
+        """Raise a one-line error where the model's weights or its server's key are missing."""
         self._language.check()
 
     def fingerprint(self) -> str | None:

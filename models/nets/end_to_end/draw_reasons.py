@@ -20,13 +20,13 @@ from ucon.task.actions import Action
 _MOST_CELL_PX: Final = 10
 #: Width, in cells, of unknown space shown around explored space.
 _RIM: Final = 2
-#: Least probability of an action that is listed.
+#: Actions above this probability are listed.
 _LIKELY: Final = 0.05
 #: A goal within this distance of the seen target, in metres, counts as going to the target.
 _BY_M: Final = 2.0
 #: Goals with at least this share of the highest probability are shown, even outside explored space.
 _GLOW: Final = 0.05
-#: Most cells that are told as believed in.
+#: Most cells that :func:`believed_cells` returns.
 _MOST_CELLS: Final = 24
 
 Layers = dict[str, NDArray[np.uint8]]
@@ -39,8 +39,8 @@ def draw_reasons(
     """Draw one step of one episode.
 
     Above is the map memory: warmer cells have more belief, bluer cells are more probable goals, a ring marks the most
-    probable one. Below are the belief, the likely actions, and the habits that speak most for the thing that it goes
-    to.
+    probable one. Below are the belief, the likely actions, and the habits that speak most for the thing that the agent
+    goes to.
 
     Args:
         why: reasons of that step.
@@ -59,7 +59,7 @@ def draw_reasons(
 
 
 def believed_cells(layers: Layers) -> tuple[BelievedThing, ...]:
-    """The cells of the map memory with the most belief, by falling share of what the map holds; at most 24.
+    """The cells of the map memory with the most belief, at most 24, and their shares of the map's belief, decreasing.
 
     Args:
         layers: the map memory.

@@ -1,6 +1,6 @@
 """Kernels of one frame in the agent's frame of reference: which cells it shows, and what it shows of each thing.
 
-Arithmetic is in float32 where the frame is, so that a kernel decides at the edges as NumPy would.
+Arithmetic is in float32 where the frame's arrays are, so that at the edges of cells a kernel decides as NumPy would.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ EXPLORED, SEEN_FLOOR, BLOCKED, OPAQUE = 1, 2, 4, 8
 
 @jit
 def mark_floor(points: F32, spread: F32, stride: int, shape: Any, flags: U8, nearest: F32, cell: Any) -> None:
-    """Enter every so many-th point of a frame into the patch.
+    """Enter every ``stride``-th point of a frame, in rows and columns, into the patch.
 
     Args:
         points: (3, H, W) float32 in metres ahead, to the left, and above the floor.
@@ -66,7 +66,7 @@ def mark_floor(points: F32, spread: F32, stride: int, shape: Any, flags: U8, nea
 
 @jit
 def measure(image: Any, points: F32, spread: F32, count: Any, sums: F64, nearest: F32, box: Any) -> None:
-    """Sum up the pixels of things.
+    """Count and sum up the pixels of each thing.
 
     Args:
         image: (H, W) int16, thing of every pixel, -1 for none.
@@ -97,7 +97,7 @@ def mark_pairs(image: Any, stride: int, cell: Any, columns: int, out: Any) -> No
     Args:
         image: (H, W) int16, thing of every pixel, -1 for none.
         stride: rows and columns between two points.
-        cell: (h, w) int64, cell of every so many-th pixel, -1 outside the patch.
+        cell: (h, w) int64, cell of every ``stride``-th pixel, -1 outside the patch.
         columns: cells of the patch.
         out: (n * columns,) bool, written: by thing and cell.
     """

@@ -24,7 +24,7 @@ AHEAD, ASIDE, BEHIND = 40, 40, 1
 ROWS, COLUMNS = AHEAD + BEHIND + 1, 2 * ASIDE + 1
 N_CELLS = ROWS * COLUMNS
 N_THINGS = 32
-"""Most things of one frame: the target first, then by falling number of pixels."""
+"""Most things of one frame: the target first, then by decreasing number of pixels."""
 N_PAIRS = 192
 """Most (thing, cell) pairs of one frame."""
 THING_FEATURES = (
@@ -48,7 +48,7 @@ F32 = NDArray[np.float32]
 
 @dataclass(frozen=True, eq=False)
 class EgoView:
-    """Arrays of one frame; unused rows and pairs are -1."""
+    """Arrays of one frame; unused tracks and pairs are -1, unused rows of ``things`` 0."""
 
     patch: NDArray[np.uint8]
     """(ROWS, COLUMNS) uint8, bits EXPLORED, SEEN_FLOOR, BLOCKED and OPAQUE."""
@@ -110,9 +110,9 @@ def _rays(height: int, width: int) -> tuple[F32, F32]:
 
 
 def _points(depth: F32, pitch_rad: float, camera_m: float) -> tuple[F32, F32]:
-    """Points (3, H, W) in metres ahead, to the left, and above the floor.
+    """Points (3, H, W) in metres ahead, to the left, and above the floor, and their horizontal distances (H, W).
 
-    Horizontal distance (H, W), inf without a hit.
+    Distances are inf without a hit.
     """
     up, left = _rays(*depth.shape)
     cos, sin = np.float32(np.cos(pitch_rad)), np.float32(np.sin(pitch_rad))

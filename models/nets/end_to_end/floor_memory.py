@@ -2,7 +2,8 @@
 
 A grid of 0.25 m cells around the start and a table of tracked things, kept in the recurrent state and written by fixed
 rules from each frame's :mod:`models.nets.end_to_end.ego_view`: no parameters, no gradient, a pure function of the
-sequence of frames. What the network reads of it is counted by :mod:`models.nets.end_to_end.memory_kernels`.
+sequence of frames. What the network reads of it is counted by :mod:`models.nets.end_to_end.outlook_kernels` and
+:mod:`models.nets.end_to_end.memory_kernels`.
 """
 
 from __future__ import annotations
@@ -29,21 +30,22 @@ from models.nets.end_to_end.way_kernels import find_ways
 
 HALF: Final = 128
 SIZE: Final = 2 * HALF + 1
-"""Cells of a side of the map: 64 m, with the start in the middle."""
+"""Cells per side of the map: 64 m, with the start in the middle."""
 REACH: Final = 40
-"""Poses up to so many cells to each side of the agent (10 m) are considered."""
+"""Poses up to this many cells to each side of the agent (10 m) are considered."""
 BLOCKS: Final = REACH + 1
-"""Blocks of 2 x 2 cells of a side of the window around the agent."""
+"""Blocks of 2 x 2 cells per side of the window around the agent."""
 N_TRACKS: Final = 512
 OUTLOOK: Final = ("on", "beside", "inside", "used", "closed", "space", "thin", "target", "been", "around")
 """Names of the counts of every pose (a cell and a heading).
 
-Belief that the target is on, beside or under, or in (open) what the pose would show, if that was not looked at closely,
-and all belief that was; belief behind closed doors that Open would reach; square metres of unexplored space, and of
-space seen from too far away; whether the target shows; how often the agent stood near with this heading, and with any.
+In this order: belief that the target is on, beside or under, or in (open) what the pose would show and was not yet
+looked at closely; all belief in what was; belief behind closed doors that Open would reach; square metres of unexplored
+space, and of space seen from too far away; whether the target shows, less if farther away; how often the agent stood
+near with this heading, and with any.
 """
 TOTALS: Final = ("explored", "thin", "fresh")
-"""Names of the sums over a map: square metres explored, those of them not seen closely, and belief not looked at."""
+"""Names of the sums over a map: square metres explored, those of them not seen closely, and the belief in these."""
 
 #: Cells (i, j) ahead, to the right, to the left and here, by heading.
 _BESIDE: Final = np.array([[(c, s), (s, -c), (-s, c), (0, 0)] for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))])
@@ -116,14 +118,14 @@ def write(state: State, step: MemoryStep, belief: Tensor, openable: Tensor) -> T
     """Write one step into the maps, in place.
 
     Args:
-        state: maps as of :func:`initial_maps`, on the CPU.
+        state: maps as from :func:`initial_maps`, on the CPU.
         step: what was seen.
         belief: (B, n + 1, 4) float32, probability that the target is on, in, under or beside a thing of each category.
         openable: (n + 1,) bool, categories with doors.
 
     Returns:
-        (B, N_TRACKS, 4) float32, belief of every track: on it, beside or under it, in it, behind its closed doors. That
-        of a category is divided among its things.
+        (B, N_TRACKS, 4) float32, belief of every track: on it, beside or under it, in it, behind its closed doors. The
+        belief of a category is divided equally among its things.
     """
     known = (step.tracks >= 0) & (step.tracks < N_TRACKS) & (step.ids >= 0)
     batch, row = known.nonzero(as_tuple=True)
@@ -157,7 +159,7 @@ def track_belief(state: State, belief: Tensor, openable: Tensor) -> Tensor:
     return torch.stack([ontop, under + beside, inside * ~shut, inside * shut], -1)
 
 
-#: More steps than are counted in a pose.
+#: A patience that is never reached: at most 255 steps are counted in a pose.
 ENDLESS: Final = 256
 
 
@@ -175,9 +177,9 @@ def outlook(
         state: maps, on the CPU.
         mass: (B, N_TRACKS, 4) of :func:`write`.
         pose: (B, 4) int.
-        reach_m: (B,) from how far away the target would be seen, metres.
-        patience: a pose that the agent was in for so many steps shows nothing more.
-        kept: cache of counts; it is faster where each row goes on with its episode. None: no cache.
+        reach_m: (B,) distance from which the target would be seen, metres.
+        patience: a pose that the agent has spent this many steps in counts as showing nothing more.
+        kept: cache of counts, which saves time where each row continues its episode. None: no cache.
     """
     n = len(pose)
     share = (mass / state["extent"].clamp(min=1)[..., None]).numpy()
@@ -198,9 +200,9 @@ def outlook(
 
 
 def layers(state: State, mass: Tensor) -> dict[str, NDArray[np.uint8]]:
-    """The map of one episode for drawing: (SIZE, SIZE) uint8 by name, 255 where it holds.
+    """The map of one episode for drawing: (SIZE, SIZE) uint8 by name, 255 where a property holds.
 
-    ``most`` is the belief in each cell, relative to the largest; as 255 times its square root.
+    ``most`` is 255 times the square root of each cell's highest belief relative to the map's highest.
 
     Args:
         state: maps of one episode (1, ...).

@@ -11,7 +11,7 @@ from models.nets.end_to_end.things_in_view import Seen
 class PolicyTrace(NamedTuple):
     """Intermediate results for T steps of B episodes.
 
-    :mod:`models.nets.end_to_end.reasons` explains actions by them.
+    :mod:`models.nets.end_to_end.reasons` explains actions from them.
     """
 
     seen: Seen

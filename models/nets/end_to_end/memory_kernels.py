@@ -1,4 +1,4 @@
-"""Kernels that write frames into the map memory, and sum maps up.
+"""Kernels that write frames into the map memory, and sum up maps.
 
 All work on B maps at once. A map is a grid of cells of 0.25 m; cell (i, j) lies i ahead and j to the left of where the
 agent started. Headings are quarter turns to the left: 0 looks along i, 1 along j.
@@ -13,7 +13,7 @@ import numpy as np
 from models.nets.end_to_end.ego_kernels import BLOCKED, EXPLORED
 from ucon.core.jit import F32, I16, I32, U8, jit, merged
 
-#: Further bits of a cell, beside those of a frame: the target was seen in it, something in it was opened, the agent
+#: Further bits of a cell, besides those of a frame: the target was seen in it, something in it was opened, the agent
 #: stood there.
 TARGET, OPENED, VISITED = 16, 32, 64
 _CELL_M2 = 0.0625
@@ -21,7 +21,7 @@ _CELL_M2 = 0.0625
 
 @merged
 def _turn(heading: int, f: int, left: int) -> tuple[int, int]:
-    """Cells along i and j of what lies ``f`` ahead and ``left`` to the left of an agent with this heading."""
+    """Offset in cells along i and j of what lies ``f`` ahead and ``left`` to the left at this heading."""
     if heading == 0:
         return f, left
     if heading == 1:
@@ -73,7 +73,7 @@ def write_things(
     flags: U8, who: I16, extent: I32, mass: F32, pose: I32, cells: I16, rows: I16, tracks: I16, targets: Any,
     opened: Any, columns: int, behind: int,
 ) -> None:  # fmt: skip
-    """Write which things are in which cell: where there are more than two, those with the most belief.
+    """Write which things are in which cell; of more than two, those with the most belief.
 
     Args:
         flags: (B, S, S), updated.
@@ -113,7 +113,7 @@ def write_things(
 
 @merged
 def _enter(there: I16, track: int, mass: F32, extent: I32) -> None:
-    """Enter a track among those of a cell (2,), in place of the one with less belief if there is no room."""
+    """Enter a track among those of a cell (2,); if there is no room, in place of one with less belief, if any."""
     at = 0 if there[0] < 0 else 1
     if at == 1 and there[1] >= 0:
         at = 0 if mass[there[0]].sum() < mass[there[1]].sum() else 1
@@ -133,8 +133,8 @@ def measure_maps(flags: U8, look: U8, who: I16, share: F32, enough: U8, out: F32
         look: (B, S, S).
         who: (B, 2, S, S).
         share: (B, N, 4) belief of every track in each of its cells.
-        enough: (B,) what was seen as closely as this would have shown the target.
-        out: (B, 3) written: square metres explored, square metres of them not seen closely, belief not looked at.
+        enough: (B,) value of ``look`` from which a cell was seen closely enough to show the target.
+        out: (B, 3) written: square metres explored, square metres of them not seen closely, belief in these.
     """
     size = flags.shape[1]
     for b in range(flags.shape[0]):

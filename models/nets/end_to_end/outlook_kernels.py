@@ -1,7 +1,7 @@
 """Kernels that count what every pose around an agent would show, by rays over the map memory.
 
-From one step to the next few cells change, so what was counted before is kept (:class:`KeptCounts`) until a cell that
-its rays may read differs. Numbers are the same as if nothing had been kept.
+Few cells change from one step to the next, so counts are cached (:class:`KeptCounts`) until a cell that their rays may
+read changes. The numbers are the same as without the cache.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ ON, BESIDE, INSIDE, USED, CLOSED, SPACE, THIN, TARGETED, BEEN, AROUND = range(N_
 _MOST: Final = 22
 #: Weight of each further unexplored cell of a ray relative to the one before, and how many count.
 _DEEPER, _DEEP_CELLS = np.float32(0.8825), 12
-#: Containers can be opened from so many cells away, and the target is taken from there.
+#: Distance in cells from which containers can be opened and the target can be taken.
 _REACH_CELLS = 4
-#: The target shows as well where it was seen so many cells behind something opaque: between the boards of a shelf.
+#: The target also shows where it was seen up to this many cells behind something opaque: between the boards of a shelf.
 _DEPTH_CELLS = 2
 _CELL_M2 = 0.0625
 #: Bits of a cell of the window, as rays read it.
 _KNOWN, _END, _AIM, _FRESH, _HOLDS, _SHUT = 1, 2, 4, 8, 16, 32
 _COUNTS = _AIM | _FRESH | _HOLDS
-#: Counts that rays make, the first of them all, and numbers of a cell that they read beside its bits.
+#: How many counts rays make (the first ones), and how many numbers of a cell they read besides its bits.
 _BY_RAYS: Final = 8
 _N_READ: Final = 8
-#: If more cells than this differ, everything is counted anew.
+#: If more cells than this differ, everything is counted again.
 _MOST_CHANGED: Final = 400
 
 
@@ -45,8 +45,8 @@ def _fans() -> tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.int32], 
 
     Returns:
         Offsets (4, R, _MOST, 2) int32 of the cells of R rays; the square metres (4, R, _MOST) float32 that each stands
-        for; a number (4, R, _MOST) int32 of each cell among those of its heading; with how many cells (4, R) int32 each
-        ray begins as the ray before it; and how many cells a heading has at most.
+        for; a number (4, R, _MOST) int32 of each cell among those of its heading; how many of its first cells (4, R)
+        int32 each ray shares with the ray before it; and the largest number of cells of a heading.
     """
     heading = ((np.arange(RAYS) + RAYS // 8) % RAYS) // (RAYS // 4)
     order = np.stack([np.flatnonzero(heading == h) for h in range(4)])
@@ -76,8 +76,8 @@ _READ = _cells_of_fans()
 class KeptCounts:
     """Cache of :func:`look_out`: counts of the poses of a batch of episodes, and the cells that their rays read.
 
-    It changes how fast :func:`look_out` is, never what it finds: whatever maps come next, what differs from what was
-    read is counted anew. So it is no part of any state, and copies of it are empty.
+    It changes how fast :func:`look_out` is, never what it finds: whatever maps come next, poses whose rays may read a
+    changed cell are counted again. So it is not part of any state, and copies of it are empty.
 
     Args:
         size: cells of a side of a map.
@@ -96,9 +96,9 @@ class KeptCounts:
         """Arrays of the first ``n`` episodes, read and written by :func:`look_out`.
 
         Returns:
-            Which headings of each cell are counted (n, S, S), as bits; their counts (n, S, S, 4, 8), of which memory is
-            taken where they are written; the bits (n, S, S) and numbers (n, S, S, 8) of each cell that rays read;
-            and the ranges of sight (n, 2) that it holds for.
+            Which headings of each cell are counted (n, S, S), as bits; their counts (n, S, S, 4, 8), which take up
+            memory only where they are written; the bits (n, S, S) and numbers (n, S, S, 8) of each cell that rays read;
+            and ``sight`` and ``enough`` (n, 2) that the counts are valid for.
         """
         if n > self._rows:
             shape = (n, self._size, self._size)
@@ -121,14 +121,15 @@ def look_out(  # noqa: C901 (one loop over poses; parts of it would be called fo
         look: (B, S, S).
         who: (B, 2, S, S).
         visits: (B, 4, S, S).
-        share: (B, N, 4) belief of every track in each of its cells: on it, beside it, in it, behind its closed doors.
+        share: (B, N, 4) belief of every track in each of its cells: on it, beside or under it, in it, behind its closed
+            doors.
         extent: (B, N) cells of every track.
         pose: (B, 4).
         sight: (B,) how many cells away the target would be seen.
-        enough: (B,) what was seen as closely as this would have shown it.
+        enough: (B,) value of ``look`` from which a cell was seen closely enough to show it.
         steps: (B, 4, C, C) of :func:`find_ways`.
         cell: (B, C, C) of :func:`find_ways`.
-        patience: a pose that the agent was in for so many steps shows nothing more.
+        patience: a pose that the agent has spent this many steps in counts as showing nothing more.
         kept: of :meth:`KeptCounts.of`, read and written.
         out: (B, N_OUTLOOK, 4, C, C) written, 0 where there is no way.
     """
@@ -169,7 +170,7 @@ def look_out(  # noqa: C901 (one loop over poses; parts of it would be called fo
                         continue
                     if not held[b, i, j] >> h & 1:
                         mark += 1
-                        if mark & 0xFFFF == 0:  # marks begin anew, and 0 is no mark
+                        if mark & 0xFFFF == 0:  # marks start again, and 0 is not a mark
                             counted[:] = 0
                             mark += 1
                         _look_from(u, v, h, (window, mass), things, sight[b], deep_cells, counted, asked, mark, found)
@@ -187,15 +188,15 @@ def look_out(  # noqa: C901 (one loop over poses; parts of it would be called fo
 
 @leaf
 def _open_window(i0: int, j0: int, flags: U8, look: U8, who: I16, enough: int, window: U8) -> bool:
-    """Write what rays ask of the cells around an agent; beyond the map they are unexplored.
+    """Write the bits that rays read of the cells around an agent; cells beyond the map are unexplored.
 
     Args:
-        i0: of the map's cell in the window's corner.
-        j0: of it.
+        i0: row of the map's cell in the window's corner.
+        j0: its column.
         flags: (S, S).
         look: (S, S).
         who: (2, S, S).
-        enough: what was seen as closely as this would have shown the target.
+        enough: value of ``look`` from which a cell was seen closely enough to show the target.
         window: (W, W) written: ``_KNOWN`` for explored, ``_END`` for opaque, ``_AIM`` for the target, ``_FRESH`` for
             not seen closely, ``_HOLDS`` for a cell with things.
 
@@ -217,11 +218,11 @@ def _open_window(i0: int, j0: int, flags: U8, look: U8, who: I16, enough: int, w
 
 @leaf
 def _lay_out(i0: int, j0: int, who: I16, share: F32, window: U8, mass: F32) -> None:
-    """Write the belief in each cell of a window: on, beside and in what is there, or that in what was seen closely.
+    """Write the belief in each cell of a window: on, beside and in its things, or their sum if it was seen closely.
 
     Args:
-        i0: of the map's cell in the window's corner.
-        j0: of it.
+        i0: row of the map's cell in the window's corner.
+        j0: its column.
         who: (2, S, S).
         share: (N, 4).
         window: (W, W) of :func:`_open_window`; ``_SHUT`` is added where some belief is behind closed doors.
@@ -257,11 +258,11 @@ def _changes(things: Any, window: U8, mass: F32, bits: U8, read: F32, changed: I
         window: (W, W) of :func:`_open_window`.
         mass: (W, W, 4) of :func:`_lay_out`.
         bits: (S, S) read and written: the window's bits when the cell was last in one.
-        read: (S, S, _N_READ) read and written: what else was read of the cell then; of cells that hold things.
+        read: (S, S, _N_READ) read and written: the other numbers of the cell then, if it holds things.
         changed: (_MOST_CHANGED, 2) written: cells of the map that differ.
 
     Returns:
-        How many differ; no more are written than fit.
+        How many differ; ``changed`` holds as many of them as fit.
     """
     i0, j0, who, share, extent = things
     size, n = bits.shape[0], 0
@@ -296,7 +297,7 @@ def _forget(changed: I32, n: int, held: U8) -> None:
 
     Args:
         changed: cells of :func:`_changes`.
-        n: how many; if it is more than are written, everything is dropped.
+        n: how many differ; if ``changed`` does not hold them all, everything is dropped.
         held: (S, S) which headings of each cell are kept, as bits.
     """
     size = held.shape[0]
@@ -328,18 +329,18 @@ def _look_from(  # noqa: C901 (one loop over the cells of rays; parts of it woul
 ) -> None:
     """Count what a node would show in a heading; cells and containers count once.
 
-    Where a ray begins as the one before did, and that met nothing but explored space there, nothing is read again.
+    The first cells that a ray shares with the ray before it are not read again, as far as they are explored and clear.
 
     Args:
-        u0: of the node in the window.
-        v0: of it.
+        u0: row of the node in the window.
+        v0: its column.
         h: the heading.
         seen: (W, W) of :func:`_open_window`, and (W, W, 4) of :func:`_lay_out`.
         things: the window's corner (i, j), who, share and extent of one map.
         sight: how many cells away the target would be seen.
         deep_cells: how many cells behind something opaque it counts.
         counted: (_N_CELLS,) scratch: the last node and heading that counted each cell.
-        asked: (N,) scratch, the same of containers.
+        asked: (N,) scratch, the same for containers.
         mark: number of the node and heading, from 1.
         out: (N_OUTLOOK, 4), column ``h`` written.
     """
@@ -392,13 +393,13 @@ def _look_from(  # noqa: C901 (one loop over the cells of rays; parts of it woul
 
 @merged
 def _aim(k: int) -> np.float32:
-    """How much a target counts that is the k-th cell of a ray, from 0."""
+    """Weight of a target in the k-th cell of a ray, counted from 0."""
     return np.float32(1.0 if k < _REACH_CELLS else 2.0 / (k + 1))
 
 
 @leaf
 def _behind(u0: int, v0: int, h: int, ray: int, end: int, window: U8, most: int) -> np.float32:
-    """How much a target counts that was seen up to ``most`` cells behind the opaque cell in which a ray ends."""
+    """Weight of a target that was seen up to ``most`` cells behind the opaque cell in which a ray ends."""
     for k in range(end + 1, min(end + 1 + most, _MOST)):
         if window[u0 + _CELL[h, ray, k, 0], v0 + _CELL[h, ray, k, 1]] & _AIM:
             return _aim(k)

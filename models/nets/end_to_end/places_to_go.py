@@ -1,8 +1,8 @@
 """Where to go: a distribution over the poses of the remembered floor, and the first action towards each.
 
-A pose's score is the logarithm of what it would show, less that of the cost of the way there: how much each thing that
-it would show is worth is learned, and depends on target, habits and step. A small network adds what else poses are
-worth. The probability of an action is the sum over poses whose shortest path begins with it.
+A pose's score is the logarithm of the worth of what it would show, minus the logarithm of the cost of the way there.
+The worth of a unit of each count is learned, and depends on target, habits and step. A small network adds a further
+term to the score. The probability of an action is the sum over poses whose shortest path begins with it.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ _NEVER: Final = -1e4
 _LEAST: Final = math.exp(-12.0)
 #: Worth of a pose that shows nothing.
 _NOTHING: Final = 1e-7
-#: Initial worth of a unit of each count: of the belief, of a square metre, of the target.
+#: Initial worth of a unit of each count: of belief, of a square metre, of the target.
 _WORTH: Final = {
     "on": 1.0, "beside": 0.6, "inside": 1.0, "used": 0.05, "closed": 1.0, "space": 0.01, "thin": 0.002, "target": 10.0,
 }  # fmt: skip
-#: Initial loss of score by each unit of having been there.
+#: Initial loss of score for each unit of having been there.
 _STALE: Final = {"been": 0.5, "around": 0.0}
-#: The pose that it is on its way to is liked better by this factor, at first.
+#: Initial factor by which the pose that the agent is on its way to is preferred.
 _LOYALTY: Final = 1.25
-#: Poses whose log-probabilities differ by less are alike: last bits depend on what else is in the batch.
+#: Log-probabilities are rounded to this when poses are compared: last bits depend on what else is in the batch.
 _TIE: Final = 1e-3
-#: Cost of every pose beside the actions, at first.
+#: Initial cost of every pose in addition to the actions.
 _OVERHEAD: Final = 0.5
 
 
@@ -55,7 +55,7 @@ class PlacesToGo(nn.Module):
 
         Args:
             n_globals: number of features of episode and step, on which worths depend.
-            sharpness: factor of the scores; the higher, the more the best pose decides.
+            sharpness: factor of the scores; the higher, the more the best pose dominates.
             width: of the hidden layers.
         """
         super().__init__()
@@ -102,8 +102,8 @@ class PlacesToGo(nn.Module):
     def _scores(self, seen: Outlook, given: Tensor) -> Tensor:
         """Scores (N, 4 * C * C) of all poses without loyalty, ``_NEVER`` where there is no way.
 
-        Most poses show nothing. Their score depends on the agent's features and the number of steps alone, so it is
-        computed once for each number.
+        Most poses show nothing. Their score depends only on the agent's features and the number of steps, so it is
+        computed once for each agent and number.
         """
         counts, steps = seen.counts.flatten(2), seen.steps.flatten(1)  # (N, len(OUTLOOK), P), (N, P)
         there = steps != FAR
@@ -128,7 +128,7 @@ class PlacesToGo(nn.Module):
         return score + self.also(self.numbers(numbers) + self.globals(given)[agent]).squeeze(-1).float()  # type: ignore[no-any-return]
 
     def _loyal(self, score: Tensor, aim: Tensor, pose: Tensor) -> Tensor:
-        """Scores (B, 4 * C * C) with that of the block of the pose that it is on its way to raised."""
+        """Scores (B, 4 * C * C), raised for the block of the pose that the agent is on its way to."""
         block = (aim[:, :2] - pose[:, :2] + BLOCKS - 1) // 2
         known = (aim[:, 2] >= 0) & ((block >= 0) & (block < BLOCKS)).all(1)
         block = block.clamp(0, BLOCKS - 1)
@@ -153,14 +153,14 @@ def aimed_at(log_goal: Tensor, pose: Tensor, cell: Tensor) -> Tensor:
 
 
 def divergence(log_goal: Tensor, views: Tensor, pose: Tensor, sharpness: float) -> Tensor:
-    """How far a policy's goals are from what an expert thinks of the poses, (N,) nats; 0 where it says nothing.
+    """Divergence of a policy's goals from an expert's scores of the poses, (N,) nats; 0 where there are no scores.
 
     The Kullback-Leibler divergence from the expert's distribution, in which a view has weight ``score ** sharpness``.
 
     Args:
         log_goal: (N, 4, C, C).
         views: (N, V, 4) int: cells ahead and to the left, heading from the agent's, and score relative to the best
-            one's 10,000; 0 for none.
+            view's, which is 10,000; 0 for none.
         pose: (N, 4) int of the agents.
         sharpness: the higher, the more the best view counts.
     """

@@ -65,8 +65,8 @@ def kept_habits(reading: Read, texts: Sequence[str], known: Sequence[str]) -> tu
         known: A anchors.
 
     Returns:
-        Indices of at most N_HABITS habits, ordered by support and text, so not by the list's order; and the support (H,
-        A) of all habits for each anchor.
+        Indices of at most N_HABITS habits, ordered by support and text, so independent of the list's order; and the
+        support (H, A) of all habits for each anchor.
     """
     support = np.zeros((len(texts), len(known)))
     for k, anchor in enumerate(known):
@@ -91,7 +91,7 @@ def read_habits(
         belief (n, 4) float16, p(category, relation) for the n categories of the catalogue; summary (7,) float32;
         target () int64, its number, n outside the catalogue; goal (DIM,) float16, embedding of its name; habit_vectors
         (N_HABITS, DIM) float16; habit_features (N_HABITS, 4) float16; support (N_HABITS, A) float16; reach_m ()
-        float32, from how far away the target is seen.
+        float32, distance in metres from which the target is seen.
     """
     target, texts = str(info["target"]), tuple(info["habits"])
     trusted = info.get("habit_level") == "gt"

@@ -1,6 +1,6 @@
 """Explains an action of the end-to-end habit policy: the place it goes to, the thing there, and the habits behind it.
 
-For display only: nothing of this enters a decision.
+For display only: decisions do not depend on it.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ class Reasons:
     goal_p: float
     """Probability of that place."""
     thing: str
-    """Category with the highest belief remembered there; "" for none."""
+    """Category of the remembered thing near that place with the highest belief; "" for none."""
     belief: tuple[tuple[str, str, float], ...]
     """The five most probable places of the target: anchor, relation, probability."""
     habits: tuple[tuple[str, float], ...]
-    """Habits with the most support, falling, each with its support in [0, 1].
+    """Habits with the most support, in decreasing order, each with its support in [0, 1].
 
     Support is for the target being at ``thing``, else at the most probable anchor, else anywhere.
     """
@@ -116,7 +116,7 @@ def reasons(
 
 
 def _thing_near(state: State, believed: Tensor, i: int, j: int) -> str:
-    """Category with the highest belief remembered within 6 cells of cell (i, j); "" for none."""
+    """Category of the remembered thing with the highest belief within 6 cells of cell (i, j); "" for none."""
     most = cell_belief(state, believed)
     a, b = max(i + HALF - _NEAR, 0), max(j + HALF - _NEAR, 0)
     around = most[:, a : a + 2 * _NEAR + 1, b : b + 2 * _NEAR + 1]

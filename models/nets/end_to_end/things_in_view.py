@@ -1,6 +1,6 @@
 """Detections as tokens: category, position, belief that the target is with the thing, and attention to the habits.
 
-Attention scores are the likeness of vectors plus the log of the reader's support: how strongly a habit speaks for the
+Attention scores are the similarity of vectors plus the log of the reader's support: how strongly a habit speaks for the
 target being at a thing of this category.
 """
 
@@ -20,8 +20,8 @@ N_CUES = 10
 TAKE_M = 1.0
 """Done is possible within this distance of the target's seen part.
 
-That part lies in the target's box, so Done is then never too far off: none of 25 searches ended too early; with a fifth
-more, 14 of 50 did. Some stored solutions end a little farther off.
+That part lies in the target's box, so Done is then never said too far away: none of 25 searches ended too early; at a
+distance a fifth larger, 14 of 50 did. Some stored solutions end a little farther away.
 """
 _SCALE = {"ahead_m": 0.25, "left_m": 0.25, "up_m": 0.5, "nearest_m": 0.25, "pixels": 0.25}
 _FLOOR = 0.02
@@ -101,7 +101,7 @@ class ThingsInView(nn.Module):
             ids: (T, B, N) number of the category, -1 where there is no thing.
             things: (T, B, N, len(THING_FEATURES)).
             opened: (T, B, N) bool, was opened before.
-            mass: (T, B, N, 4) relative belief: ontop, beside, inside, closed.
+            mass: (T, B, N, 4) relative belief: on top, beside or under, inside, behind closed doors.
             context: of :func:`models.nets.end_to_end.read_habits.read_habits`, (B, ...) by name.
         """
         there, row = ids >= 0, ids.clamp(min=0)

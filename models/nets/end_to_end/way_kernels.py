@@ -1,4 +1,4 @@
-"""Kernels of the shortest ways over remembered floor: the number of actions to every pose, and the first of them."""
+"""Kernels of the shortest ways over remembered floor: the number of actions to every pose, and the first action."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from models.nets.end_to_end.ego_kernels import BLOCKED
 from models.nets.end_to_end.memory_kernels import VISITED
 from ucon.core.jit import I32, U8, jit
 
-#: Distance of poses that cannot be reached, or not within 254 actions.
+#: Distance of poses that cannot be reached within 254 actions.
 FAR = 255
 #: First action of the pose that the agent is in; others are the numbers of MoveAhead, RotateRight and RotateLeft.
 STAY = 3
@@ -50,14 +50,14 @@ def _search(ok: U8, width: int, start: int, steps: U8, first: U8, queue: I32) ->
 def find_ways(flags: U8, pose: I32, reach: int, steps: U8, first: U8, cell: U8) -> None:
     """Shortest ways to the poses around each agent, in blocks of 2 x 2 cells.
 
-    Moves and turns cost one action each, as in the task. Of each block the cell that is reached soonest stands for all.
+    Moves and turns cost one action each, as in the task. The cell that is reached soonest stands for its whole block.
 
     Args:
         flags: (B, S, S); a cell that is blocked can be entered only if the agent stood there before.
         pose: (B, 4).
         reach: cells to each side of the agent.
         steps: (B, 4, C, C) written: actions to each pose, ``FAR`` where there is no way; C = reach + 1.
-        first: (B, 4, C, C) written: first action of that way, ``STAY`` where it is.
+        first: (B, 4, C, C) written: first action of that way, ``STAY`` where the agent is.
         cell: (B, C, C) written: which of the block's cells, 2 * row + column.
     """
     size, side = flags.shape[1], 2 * reach + 1

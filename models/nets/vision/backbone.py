@@ -1,4 +1,4 @@
-"""Base of the frozen networks that VTN looks through: frames in, a small map of features each out."""
+"""Base of VTN's frozen networks, which turn each frame into a small map of features."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SIDE: Final = 7
 """Side of the map."""
 #: Side of the image that gives a map of 7 x 7. VTNet's frames had 300 pixels; ours, of 128, are enlarged.
 INPUT_PX: Final = 224
-#: Frames computed at once; a processor's cache holds the layers of few.
+#: Frames computed at once, on a GPU and on a CPU, whose cache holds the layers of only a few.
 _CHUNK, _CHUNK_ON_CPU = 64, 4
 #: Number of cached maps, some 10 MB: an agent that is stuck sees the same frame again and again.
 _REMEMBERED: Final = 256
@@ -24,7 +24,7 @@ _REMEMBERED: Final = 256
 class FrozenBackbone:
     """Maps of frames by a network that is never trained, rounded to float16.
 
-    Processors that have it compute in bfloat16, in half of the time; it moves maps by 1 to 3 %.
+    Processors that support bfloat16 compute in it, in half of the time; it changes maps by 1 to 3 %.
     """
 
     channels: ClassVar[int]
@@ -39,7 +39,7 @@ class FrozenBackbone:
 
     @property
     def name(self) -> str:
-        """Network and hash of its weights, or the seed of random ones; also in tables."""
+        """Network and hash of its weights, or the seed of random ones; also shown in tables."""
         raise NotImplementedError
 
     def check(self) -> None:

@@ -133,7 +133,7 @@ class DetrTokens(nn.Module):
 def _best_rows(label: Tensor, score: Tensor, nothing: int) -> Tensor:
     """Which queries have the highest score of their label, (n, 100) bool; the first among equals.
 
-    None for ``nothing``.
+    Queries for ``nothing`` never count.
     """
     same = label[:, :, None] == label[:, None, :]  # (n, 100, 100)
     place = torch.arange(label.shape[1], device=label.device)

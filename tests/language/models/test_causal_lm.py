@@ -1,4 +1,4 @@
-"""The causal model on a tiny Llama: cached and batched it says what plain forward passes say."""
+"""The causal model on a tiny Llama: with cache and batches, it gives the scores of plain forward passes."""
 
 import json
 import shutil
@@ -91,7 +91,7 @@ def test_whole_habits_are_dropped_from_the_end(folder, plain):
     assert 0 < answer.dropped < len(many)
     kept = question(many[: len(many) - answer.dropped])
     assert answer.scores == pytest.approx(normal(plain(kept)[0]), abs=2e-4)
-    room = 1024 - 1024 // 16 + len(model._ids(asked.situation))  # a sixteenth is kept for the user's message
+    room = 1024 - 1024 // 16 + len(model._ids(asked.situation))  # a sixteenth is reserved for the user's message
     assert answer.prompt_tokens <= room < plain(question(many[: len(many) - answer.dropped + 1]))[2] + 4
     assert habits_in(asked.system) == len(many)
     (shorter,) = CausalModel(folder, window=200).answer([asked])
@@ -100,7 +100,7 @@ def test_whole_habits_are_dropped_from_the_end(folder, plain):
 
 
 def test_all_questions_of_an_episode_drop_the_same_habits_and_share_the_rest(folder):
-    """Where the window is too short, a longer message may not change what was read before it."""
+    """If the window is too short, a longer message must not change the part read before it."""
     many = [f"{habit} ({i})" for i, habit in enumerate(HABITS * 20)]
     model = CausalModel(folder, prefixes=4)
     answers = model.answer([question(many, NAMES[:n]) for n in range(1, len(NAMES) + 1)])
@@ -146,7 +146,7 @@ def test_errors_say_what_to_do(folder, tmp_path):
 
 
 def test_what_does_not_fit_into_memory_is_refused_before_it_is_read(folder, tmp_path):
-    """The header of its file names 40 TB of weights."""
+    """The header of the file names 40 TB of weights."""
     huge = shutil.copytree(folder, tmp_path / "huge")
     header = json.dumps({"w": {"dtype": "F32", "shape": [10**7, 10**6], "data_offsets": [0, 4 * 10**13]}}).encode()
     (huge / "model.safetensors").write_bytes(len(header).to_bytes(8, "little") + header)
@@ -177,7 +177,7 @@ def test_its_name_is_that_of_the_weights(folder):
 
 
 def test_a_folders_own_code_is_not_run(folder, tmp_path):
-    """What ``auto_map`` names would be loaded where it is trusted; nobody is asked whether it is."""
+    """Code that ``auto_map`` names is not run, and the user is not asked whether to trust it."""
     brought = shutil.copytree(folder, tmp_path / "brought")
     left = tmp_path / "canary"
     (brought / "mine.py").write_text(f"open({str(left)!r}, 'w')\nclass Model: ...\nclass Config: ...\n")

@@ -1,4 +1,4 @@
-"""The chat model against a real server that misbehaves: every question ends in time, in the closed set or with none."""
+"""The chat model against a real server that misbehaves: every question ends in time, with a valid option or none."""
 
 import base64
 import io
@@ -18,7 +18,7 @@ from ucon.language.servers.answer_cache import AnswerCache
 from ucon.language.servers.chat import ChatClient
 
 TIMEOUT_S = 0.15
-#: What threads and the loopback may add to the wall time.
+#: Seconds that threads and the loopback interface may add to the wall time.
 SLACK_S = 0.25
 GOOD = says({"reason": "coins", "choice": "desk"})
 
@@ -33,7 +33,7 @@ def model(tmp_path):
 
 
 def dribbles_headers(handler):
-    """Sends its status line a byte at a time: no single read waits for long, and none ends."""
+    """Sends its headers a byte at a time: no single read waits for long, but the headers never end."""
     for byte in b"HTTP/1.0 200 OK\r\nX: " + b"x" * 200:
         handler.wfile.write(bytes([byte]))
         handler.wfile.flush()
@@ -88,7 +88,7 @@ def test_a_fault_that_stays_ends_in_time_without_a_choice(model, fault):
     assert (answer.choice, answer.scores, answer.text) == (-1, (), "")
     assert answer.failure == ("server" if fault in SERVER else "unusable")
     assert answer.retries <= 3
-    assert 1 <= asked <= 4  # one more where a refusal may be about the schema
+    assert 1 <= asked <= 4  # one more if a refusal may be about the schema
     assert answer.seconds == pytest.approx(took, abs=0.1)
 
 
@@ -212,7 +212,7 @@ def test_a_key_that_is_refused_later_is_a_fault_of_the_server(model):
 
 def test_check_asks_for_the_models(model, monkeypatch):
     with chat_server(GOOD) as server:
-        model(server.url).check()  # a server without a list of models is there all the same
+        model(server.url).check()  # a server without a list of models passes too
         assert server.asked == []
         monkeypatch.setenv("UCON_TEST_KEY", "sk-test")
         server.models = fails(403, "no")

@@ -1,4 +1,4 @@
-"""Habits that give orders, and junk: every model that scores answers with one of the options."""
+"""With habits that give orders, or junk, every model that scores options answers with one of them."""
 
 import numpy as np
 import pytest

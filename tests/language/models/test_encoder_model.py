@@ -1,4 +1,4 @@
-"""The embedded model: it decides by habits, fast, and the same whatever is asked beside it."""
+"""The embedded model: it decides by habits, quickly, and independently of the other questions in a batch."""
 
 import time
 
@@ -15,7 +15,7 @@ from ucon.language.models.encoder import EncoderModel, EncoderWeights
 from ucon.language.store import StoredEncoder, default_encoder, shipped_table
 from ucon.objects import catalogue
 
-#: Of the book, whose vectors are shipped.
+#: From the book, whose vectors are shipped.
 HABITS = book().texts[:6]
 
 
@@ -139,7 +139,7 @@ def test_questions_after_the_first_cost_well_below_a_millisecond(found):
 @pytest.mark.parametrize("habits", [(), HABITS, HABITS * 40])
 @pytest.mark.parametrize("target", ["mug", "sofa", "coffee cup"])
 def test_where_the_target_stands_in_view_nothing_else_is_chosen(habits, target):
-    """However many things that habits speak of crowd the other options."""
+    """However many things that habits mention are among the other options."""
     crowded = tuple(name.replace("_", " ") for name in catalogue().names if name != target.replace(" ", "_"))[:200]
     options = (Option("front", crowded), Option("left", ("lamp", target)), Option("right", ()))
     (answer,) = EncoderModel().answer([Question(target, habits, options, "", "")])

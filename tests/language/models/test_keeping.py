@@ -1,4 +1,4 @@
-"""Which label is kept with some things: habits say so where their words fit, and only for the label they are about."""
+"""Which label is kept with some things: habits support it if their words fit, and only the label they are about."""
 
 import time
 
@@ -78,7 +78,7 @@ def test_a_habit_raises_its_label_where_it_fits_and_not_elsewhere(model):
     assert told_office[0] > office[0] + 0.3
     assert told_kitchen[0] < kitchen[0]
     assert told_office[0] > told_kitchen[0] + 0.3
-    assert np.ptp((others - office)[1:]) < 0.05  # the other labels only make room
+    assert np.ptp((others - office)[1:]) < 0.05  # the other labels change only by normalisation
 
 
 def test_habits_about_other_things_change_little(model):

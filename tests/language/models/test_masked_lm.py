@@ -1,4 +1,4 @@
-"""The masked model on a tiny RoBERTa: batched and remembered it says what one masked copy after the other says."""
+"""The masked model on a tiny RoBERTa: batches and caching give the scores of masked copies read one by one."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def plain(folder):
-    """Mean log-probability of a name's tokens in a sentence, one masked copy after the other."""
+    """Mean log-probability of a name's tokens in a sentence, each masked in its own copy."""
     tokenizer = transformers.AutoTokenizer.from_pretrained(folder)
     network = transformers.AutoModelForMaskedLM.from_pretrained(folder).eval()
 

@@ -1,4 +1,4 @@
-"""Questions asked in seeded orders: options keep their scores, and the mean of two orders favours no place."""
+"""Questions asked in seeded orders: options keep their scores, and the mean of two orders favours no position."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_an_order_depends_on_the_seed_and_the_question_alone():
     assert first != [Orders(1, 1).of(one) for one in asked]
     assert all(sorted(order) == [0, 1, 2, 3] for (order,) in first)
     where = np.array([order for (order,) in first])
-    for place in range(4):  # each option stands at each place in about a quarter
+    for place in range(4):  # each option is at each place about a quarter of the time
         assert np.bincount(where[:, place], minlength=4) / 300 == pytest.approx(np.full(4, 0.25), abs=0.1)
     for one, (order,) in zip(asked, first, strict=True):
         assert Orders(2, 0).of(one) == [order, order[::-1]]
@@ -57,7 +57,7 @@ def test_other_numbers_of_orders_are_refused(count):
 
 
 def test_an_answer_is_told_in_the_questions_own_order(folder):
-    """The seeded order's answer is that of the question which lists its options so."""
+    """The answer in the seeded order equals that to a question that lists its options in this order."""
     asked = [listing(target=f"thing {n}") for n in range(6)]
     seeded, as_listed = CausalModel(folder, orders=1, seed=3), CausalModel(folder)
     for one, answer in zip(asked, seeded.answer(asked), strict=True):
@@ -84,11 +84,11 @@ def test_two_orders_are_averaged(folder):
 
 
 def test_a_model_that_knows_places_alone_is_left_without_a_preference():
-    """A model that always gives the first place .7: asked in two orders, first and last option share it."""
+    """A model that always gives .7 to the first place: asked in two orders, the options listed first share it."""
     by_place = tuple(np.log([0.7, 0.2, 0.1]).tolist())
     both = averaged([(2, 0, 1), (1, 0, 2)], [Answer(0, by_place), Answer(0, by_place)])
     assert np.exp(both.scores) == pytest.approx([0.2, 0.4, 0.4], abs=1e-3)
-    assert both.places == (0, 0)  # the first both times: not the same option
+    assert both.places == (0, 0)  # the first place both times, so not the same option
     lost = averaged([(0, 1), (1, 0)], [Answer(0, (-0.1, -2.4)), Answer(-1, failure="too long")])
     assert (lost.choice, lost.failure, lost.scores) == (-1, "too long", ())
 

@@ -1,4 +1,4 @@
-"""The chat model against a real server: ``transformers serve`` with a tiny model, on the loopback, without the hub."""
+"""The chat model against a real server: ``transformers serve`` with a tiny model, on this machine, without the hub."""
 
 import importlib.util
 import os
@@ -20,7 +20,7 @@ from ucon.language.servers.answer_cache import AnswerCache
 from ucon.language.servers.chat import ChatClient
 
 pytestmark = [
-    pytest.mark.slow,  # a server of transformers takes half a minute to start
+    pytest.mark.slow,  # transformers' server takes half a minute to start
     pytest.mark.skipif(
         not all(importlib.util.find_spec(name) for name in ("fastapi", "uvicorn", "openai")),
         reason="transformers[serving] is not installed",
@@ -30,7 +30,7 @@ SAID = '{"reason": "coins", "choice": "desk"}'
 
 
 def taught(folder, asked):
-    """Teach a tiny model one answer to one question by heart."""
+    """Train a tiny model to give one answer to one question."""
     save_causal(folder)
     tokenizer = transformers.AutoTokenizer.from_pretrained(folder)
     network = transformers.AutoModelForCausalLM.from_pretrained(folder)
@@ -56,7 +56,7 @@ def served(folder):
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    # The second argument is the model's name, too: nothing else is loaded.
+    # The folder is also the model's name, so nothing else is loaded.
     command = [sys.executable, "-m", "transformers.cli.transformers", "serve", str(folder)]
     command += ["--host", "127.0.0.1", "--port", str(port), "--device", "cpu", "--dtype", "float32"]
     environment = os.environ | {"HF_HUB_OFFLINE": "1", "TRANSFORMERS_OFFLINE": "1", "OMP_NUM_THREADS": "1"}
@@ -105,4 +105,4 @@ def test_a_server_of_transformers(tmp_path):
             assert other.prompt_tokens > 0
     with pytest.raises(ServerError, match="check that the server is running"):
         model().check()
-    assert model().answer([asked])[0].choice == answer.choice  # kept on disk
+    assert model().answer([asked])[0].choice == answer.choice  # from the cache on disk

@@ -1,4 +1,4 @@
-"""The vision model on tiny Mllama and LLaVA: it says what one plain forward pass an option says, and images count."""
+"""The vision model on tiny Mllama and LLaVA: it gives the scores of plain forward passes, and images matter."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def folder(tmp_path_factory):
 
 
 def plain(folder, asked):
-    """Log-probabilities of answers, one forward pass an option."""
+    """Log-probabilities of the options, one forward pass per option."""
     processor = transformers.AutoProcessor.from_pretrained(folder)
     network = transformers.AutoModelForImageTextToText.from_pretrained(folder).eval()
     content = [*({"type": "image"} for _ in asked.images), {"type": "text", "text": asked.situation}]

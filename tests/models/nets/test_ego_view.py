@@ -1,4 +1,4 @@
-"""What one frame shows: at the edges of the patch."""
+"""What one frame shows: things and the cells of the patch around the agent."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ from models.nets.end_to_end.ego_view import (
 
 
 def flags_of(row: int, column: int, off_m: float) -> np.ndarray:
-    """Bits of all cells where one obstacle stands in a cell, so far to the left of its node."""
+    """Bits of all cells for one obstacle in a cell, ``off_m`` to the left of the cell's node."""
     at = np.array([(row - BEHIND) * CELL_M, (column - ASIDE) * CELL_M + off_m, 0.5], np.float32)
     flags, nearest = np.zeros(N_CELLS, np.uint8), np.full(N_CELLS, np.inf, np.float32)
     cell = np.zeros((1, 1), np.int64)
@@ -50,7 +50,7 @@ def frame(**changes: object) -> tuple[np.ndarray, dict[str, object]]:
 
 
 def test_features_of_a_thing_by_hand() -> None:
-    """Its middle lies half a unit to the left of the axis at two metres: one metre left, level with the camera."""
+    """Its centre is half a unit left of the axis at two metres: one metre to the left, level with the camera."""
     depth, info = frame()
     found = ego_view(depth, 0.0, 1.25, info, "coffee_cup")
     assert found.names == ("coffee_cup", "wall_clock"), "the target first, though it is smaller"
@@ -85,7 +85,7 @@ def test_scores_are_the_detectors_where_it_gives_any() -> None:
 
 
 def test_cells_of_things_and_of_the_floor() -> None:
-    """The cup is in the cell 8 ahead and 4 to the left; a wall two metres ahead hides what is behind it."""
+    """The cup is in the cell 8 ahead and 4 to the left; a wall two metres ahead hides everything behind it."""
     depth, info = frame()
     found = ego_view(depth, 0.0, 2.1, info, "coffee_cup")
     cell = (8 + BEHIND) * COLUMNS + 4 + ASIDE

@@ -1,4 +1,4 @@
-"""The map memory by hand: what a step writes, the ways, and what poses would show. The agent looks along i."""
+"""The map memory by hand: what a step writes, the paths, and what poses would show. The agent looks along i."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from ucon.task.actions import Action
 TABLE, CUPBOARD = 0, 1
 BELIEF = torch.tensor([[[0.4, 0.0, 0.1, 0.1], [0.1, 0.3, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]]])
 OPENABLE = torch.tensor([False, True, False])
-#: Block of the agent.
+#: The agent's block.
 HERE = REACH // 2
 
 
@@ -49,7 +49,7 @@ def step(
     *pairs: tuple[int, int, int], pose: tuple[int, int, int] = (0, 0, 0), collision: bool = False, floor: int = 0,
     opened: tuple[int, ...] = (), look: int = 0, target: int = -1, tall: tuple[int, ...] = (),
 ) -> MemoryStep:  # fmt: skip
-    """``pairs``: cell of the patch, track and category of what shows there; ``floor``: cells seen ahead in each row."""
+    """``pairs``: cell of the patch, track and category seen there; ``floor``: number of rows of floor seen ahead."""
     patch = torch.zeros(1, ROWS, COLUMNS, dtype=torch.uint8)
     looks = torch.zeros(1, ROWS, COLUMNS, dtype=torch.uint8)
     patch[0, BEHIND + 1 : BEHIND + 1 + floor] = EXPLORED | SEEN_FLOOR
@@ -138,7 +138,7 @@ def test_what_is_behind_doors_is_so_until_they_are_opened() -> None:
 
 
 def test_ways_by_hand() -> None:
-    """A corridor along the second axis: heading 1. The agent looks along the first."""
+    """A corridor along the second axis (heading 1), while the agent looks along the first."""
     flags = np.full((1, SIZE, SIZE), BLOCKED | EXPLORED, np.uint8)
     flags[0, HALF, HALF : HALF + 4] = EXPLORED
     steps, first, _ = ways(flags, (0, 0, 0))
@@ -162,7 +162,7 @@ def test_ways_against_plain_search(heading: int) -> None:
     flags = np.full((1, SIZE, SIZE), BLOCKED, np.uint8)
     near = slice(HALF - 6, HALF + 7)
     flags[0, near, near] = np.where(draw.random((13, 13)) > 0.3, 0, BLOCKED)
-    flags[0, HALF, HALF] = BLOCKED | memory_kernels.VISITED  # where it stood it can stand
+    flags[0, HALF, HALF] = BLOCKED | memory_kernels.VISITED  # it can stand where it stood before
     steps, _, which = ways(flags, (0, 0, heading))
     told = {(HALF, HALF, heading): 0}
     edge = list(told)
@@ -221,7 +221,7 @@ def test_doors_count_within_reach() -> None:
 def one_by_one(  # noqa: C901 (the definition, cell by cell)
     maps: dict[str, np.ndarray], share: np.ndarray, at: tuple[int, int], sight: int, enough: int
 ) -> np.ndarray:
-    """Counts of a node by heading, (8, 4): every cell of every ray is read, with nothing shared."""
+    """Counts of a node by heading, (8, 4), reading every cell of every ray separately."""
     out = np.zeros((8, 4))
     for h in range(4):
         cells, containers, best = set(), set(), 0.0
@@ -269,7 +269,7 @@ def one_by_one(  # noqa: C901 (the definition, cell by cell)
 @pytest.mark.parametrize("reach_m", [1.0, 3.0, 5.0])
 @pytest.mark.parametrize("pose", [(0, 0), (HALF - 2, 3), (-HALF + 1, -HALF + 3), (40, HALF - 4)], ids=str)
 def test_poses_show_what_the_definition_says(pose: tuple[int, int], reach_m: float) -> None:
-    """Maps at random, also at their edges, with so many poses that the marks of counted cells begin anew."""
+    """Random maps, also at their edges, with so many poses that the marks of counted cells wrap around."""
     draw = np.random.default_rng(5)
     bits = np.array([0, EXPLORED, EXPLORED, EXPLORED, EXPLORED | OPAQUE, OPAQUE], np.uint8)
     maps = {
@@ -280,7 +280,7 @@ def test_poses_show_what_the_definition_says(pose: tuple[int, int], reach_m: flo
         "extent": np.zeros(N_TRACKS, np.int32),
     }
     maps["extent"][:40] = draw.integers(1, 30, 40)
-    batch = 20  # of one map: 20 * 4 * some 1,600 marks
+    batch = 20  # copies of one map: 20 * 4 * about 1,600 marks
     state = initial_maps(batch, torch.device("cpu"))
     for name, values in maps.items():
         state[name][:] = torch.from_numpy(values)
@@ -314,7 +314,7 @@ def test_what_is_kept_changes_nothing_whatever_maps_come_next() -> None:
     used = 0
     for turn in range(40):
         where = draw.integers(HALF - 30, HALF + 30, (2, 3, 2))
-        for b, cells in enumerate(where):  # some cells of each map, not many
+        for b, cells in enumerate(where):  # a few cells of each map
             for i, j in cells:
                 state["flags"][b, i, j] = int(
                     draw.choice([EXPLORED, EXPLORED | OPAQUE, EXPLORED | memory_kernels.TARGET])
@@ -324,7 +324,7 @@ def test_what_is_kept_changes_nothing_whatever_maps_come_next() -> None:
         if turn % 4 == 0:
             mass[:, int(draw.integers(9))] = torch.from_numpy(draw.random(4, np.float32))
             state["extent"][:, :9] = torch.from_numpy(draw.integers(1, 20, 9).astype(np.int32))
-        if turn == 20:  # row by row other episodes
+        if turn == 20:  # the rows get each other's episodes
             state, mass = {name: tensor.flip(0) for name, tensor in state.items()}, mass.flip(0)
         pose = torch.tensor([[turn // 3 - 8, 2, turn % 4, 0], [5, -turn, 1, 0]])
         reach = torch.tensor([3.0, 3.0 if turn < 30 else 2.0])
@@ -340,7 +340,7 @@ def test_what_is_kept_changes_nothing_whatever_maps_come_next() -> None:
     assert set(again.counts[:, 0].unique().tolist()) == {0.0, 7.0}, "what is kept is what is told"
     copied = copy.deepcopy(kept)
     assert not copied.of(2)[0].any()
-    kind, given = kept.__reduce__()  # as it is sent to workers
+    kind, given = kept.__reduce__()  # as when it is sent to workers
     assert not kind(*given).of(1)[0].any()
 
 
@@ -366,7 +366,7 @@ def test_space_beyond_what_is_explored() -> None:
 
 
 def test_a_target_in_a_shelf_shows_from_in_front() -> None:
-    """Seen between its boards, whose front is tall; not so what lies deeper than a shelf."""
+    """It shows through the tall front of the shelf, but not if it lies deeper than a shelf."""
     front = tuple(cell(5, left) for left in range(-2, 3))
     shelf = seen_from(written(step((cell(6), 4, TABLE), floor=8, target=TABLE, tall=front)))
     assert counted(shelf, "target")[0, HERE + 1, HERE] == 1.0

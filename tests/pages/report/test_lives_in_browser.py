@@ -1,4 +1,4 @@
-"""The report of lives in headless Chromium, by real clicks and keys."""
+"""The report of lives in headless Chromium, with real clicks and keys."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_the_calendar_shows_every_request(browser_page: Any, life_report: Path) 
 
 def test_requests_are_reached_by_keys_and_choose_their_thing(browser_page: Any, life_report: Path) -> None:
     page, rows = opened(browser_page, life_report), values_of(life_report, "life-0")["runs"][0]
-    assert page.locator(f"{ASKS}[tabindex='0']").count() == 1  # one stop of the Tab key
+    assert page.locator(f"{ASKS}[tabindex='0']").count() == 1  # one stop for the Tab key
     page.locator(f"{ASKS}[tabindex='0']").focus()
     page.keyboard.press("ArrowRight")
     page.keyboard.press("ArrowRight")

@@ -1,4 +1,4 @@
-"""``python -m ucon report`` of runs of lives: what the file holds is what records and lives say."""
+"""``python -m ucon report`` of runs over lives: the file's content matches the records and lives."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def test_places_of_a_thing_have_words_of_their_own() -> None:
             assert len(set(words)) == len(words) == len(spots)
             assert all(text.startswith(spoken_place(*spot)) for text, spot in zip(words, spots, strict=True))
             alike += len(set(spots)) < len(spots)
-    assert alike > 0  # some places differ by their room or number alone
+    assert alike > 0  # some places differ only by room or number
 
 
 def test_the_same_again_and_beside_the_run(life_runs: tuple[Path, Path]) -> None:

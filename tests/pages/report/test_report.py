@@ -1,4 +1,4 @@
-"""``python -m ucon report``: what the file holds is what the runs' records say."""
+"""``python -m ucon report``: the file's content matches the runs' records."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ROOT = Path(__file__).resolve().parents[3]
 
 
 def packed_in(path: Path) -> dict[str, bytes]:
-    """Data of a report by name."""
+    """The packed data of a report, by name."""
     found = re.findall(r'<script type="application/x-packed" id="([^"]+)">([^<]*)</script>', path.read_text())
     return {name: base64.b64decode(text) for name, text in found}
 
@@ -96,7 +96,7 @@ def test_habits_are_those_of_the_agent(report: Path, runs: tuple[Path, Path]) ->
     assert set(habits["about"]) <= set(habits["household"])
     name = record.target.replace("_", " ")
     assert any(name.split()[-1] in texts[k].lower() for k in habits["about"])
-    assert values_of(report, "episode-1-0")["habits"] is None  # frontier reads none
+    assert values_of(report, "episode-1-0")["habits"] is None  # frontier reads no habits
 
 
 def test_pictures_are_small_and_of_each_step(report: Path) -> None:
@@ -167,7 +167,7 @@ def test_prompts_and_answers_of_a_language_agent_are_told(tmp_path: Path) -> Non
 def test_a_home_that_was_changed_since_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Ids of the episodes stay the same; what they are does not."""
+    """The ids of the episodes stay the same, but their content does not."""
     monkeypatch.setenv("UCON_CACHE", str(tmp_path / "cache"))
     monkeypatch.chdir(tmp_path)
     assert main(["home", "new", "my_home.yaml"]) == 0

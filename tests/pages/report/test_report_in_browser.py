@@ -1,4 +1,4 @@
-"""The report in headless Chromium, by real clicks and keys; errors and requests elsewhere fail by the fixture."""
+"""The report in headless Chromium, with real clicks and keys; the fixture fails on errors and foreign requests."""
 
 from __future__ import annotations
 

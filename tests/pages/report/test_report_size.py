@@ -1,4 +1,4 @@
-"""Large reports: 50 episodes with every picture, and 1,000 without, stay small and open at once."""
+"""Large reports: 50 episodes with every picture, and 1,000 without, stay small and open quickly."""
 
 from __future__ import annotations
 

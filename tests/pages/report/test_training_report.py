@@ -17,7 +17,7 @@ CARD = "# Model card\n<script>document.title = 'taken'</script>\n"
 
 @pytest.fixture
 def trained(tmp_path: Path) -> Path:
-    """Folder of a training run with two validations; its last line is being written."""
+    """Folder of a training run with two validations and a partly written last line."""
     rows: list[dict[str, float]] = [{"step": k, "loss": 2.0 / k, "frames": 50.0 * k} for k in range(1, 1001)]
     rows += [{"step": 0, "val/success_rate": 0.1}, {"step": 1000, "val/success_rate": 0.4}]
     text = "".join(json.dumps(row) + "\n" for row in rows)
@@ -34,7 +34,7 @@ def test_curves_are_those_of_the_log(trained: Path) -> None:
     assert told["card"] == CARD
     assert told["curves"]["val/success_rate"] == [[0, 0.1], [1000, 0.4]]
     loss = told["curves"]["loss"]
-    assert len(loss) == 500  # every second, so that at most 600 are left
+    assert len(loss) == 500  # every second step, so that at most 600 are left
     assert loss[0] == [2, 1.0]
     assert loss[-1] == [1000, 0.002]
 

@@ -26,7 +26,7 @@ TOKEN, PORT = "a-token-of-tests", 8765
 
 @pytest.fixture
 def client(tmp_path: Path) -> Iterator[TestClient]:
-    """Asks an application without a network; addresses begin after the token."""
+    """A client of an application without a network; its paths begin after the token."""
     app = make_app(Desk(tmp_path / "out", (tmp_path,), book()), TOKEN, PORT)
     with TestClient(app, base_url=f"http://127.0.0.1:{PORT}/{TOKEN}") as asking:
         yield asking
@@ -34,14 +34,14 @@ def client(tmp_path: Path) -> Iterator[TestClient]:
 
 @dataclass
 class Served:
-    """A server that listens."""
+    """A listening server: its address and its output folder."""
 
     address: str
     out: Path
 
 
 class Listening:
-    """Starts servers, and ends them."""
+    """Starts and stops servers."""
 
     def __init__(self) -> None:
         self._running: list[tuple[uvicorn.Server, threading.Thread]] = []
@@ -72,7 +72,7 @@ class Listening:
 
 @pytest.fixture
 def listener() -> Iterator[Listening]:
-    """Starts servers that end with the test."""
+    """Starts servers that are stopped at the end of the test."""
     found = Listening()
     yield found
     found.stop()
@@ -80,11 +80,11 @@ def listener() -> Iterator[Listening]:
 
 @pytest.fixture
 def served(listener: Listening, tmp_path: Path) -> Served:
-    """A server of the habit book, with nothing played yet."""
+    """A server with the habit book and no runs yet."""
     return listener.start(tmp_path / "out", (tmp_path,))
 
 
 def seen(page: Any, selector: str) -> str:
-    """Text of an element, once it is there."""
+    """Text of an element, once it appears."""
     page.wait_for_selector(selector)
     return str(page.inner_text(selector))

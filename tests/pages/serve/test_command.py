@@ -1,4 +1,4 @@
-"""``python -m ucon serve`` as a program: killed, ended, started twice; its errors in one line."""
+"""``python -m ucon serve`` as a program: killed, stopped, started twice; errors in one line."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ ROOT = Path(__file__).parents[3]
 
 
 def command(out: Path) -> list[str]:
-    """A server of a folder."""
+    """The command that serves a folder."""
     return [sys.executable, "-m", "ucon", "serve", "--port", "0", "--no-browser", "--out", str(out)]
 
 
 @contextlib.contextmanager
 def running(out: Path) -> Iterator[tuple[subprocess.Popen[str], httpx.Client]]:
-    """The command, and who asks it; it is killed at the end where it still runs."""
+    """Run the command, with a client; it is killed at the end if it still runs."""
     environment = os.environ | {"OMP_NUM_THREADS": "1"}
     process = subprocess.Popen(
         command(out), cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
@@ -64,7 +64,7 @@ def test_what_was_done_survives_a_kill_and_ctrl_c_ends_it(tmp_path: Path) -> Non
         client.post("api/study/make", json={"study": "s", "n": 4, "seed": 0}).raise_for_status()
         client.post("api/study/answer", json=said).raise_for_status()
         second = subprocess.run(command(out), cwd=ROOT, capture_output=True, timeout=60)
-        assert second.returncode == 2  # one server a folder
+        assert second.returncode == 2  # one server per folder
         process.send_signal(signal.SIGKILL)
         process.wait(20)
     with running(out) as (process, client):

@@ -1,4 +1,4 @@
-"""Who is answered, and who is not: token, host, origin, size, kind."""
+"""Which requests are answered and which refused: token, host, origin, size, content type."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The pages in a real browser, by real keys and clicks."""
+"""The pages in a real browser, with real keys and clicks."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ucon.task.sets import load_episodes
 KEYS = {0: "ArrowUp", 1: "ArrowRight", 2: "ArrowLeft", 3: "w", 4: "s", 5: "o", 6: "f"}
 #: Least contrast of text, WCAG AA.
 CONTRAST = 4.5
-#: Fewest frames a second of a walk.
+#: Least frames per second in a walk.
 FRAMES_PER_S = 15
 HOSTILE = (
     "<img src=x onerror=document.title='owned'><script>document.title='owned'</script>",
@@ -38,7 +38,7 @@ HOSTILE = (
 
 
 def hostile_book() -> HabitDataset:
-    """The habit book with hostile sentences and people in it, in the entries of the first categories."""
+    """The habit book with hostile sentences and household names in its first entries."""
     entries = list(book().entries)
     for number, text in enumerate(HOSTILE * 8):
         entry = entries[number]
@@ -48,7 +48,7 @@ def hostile_book() -> HabitDataset:
 
 
 def all_hostile(texts: list[str]) -> HabitDataset:
-    """The habit book with hostile sentences alone."""
+    """The habit book with only hostile sentences."""
     entries = [
         replace(entry, habits=tuple(Habit(texts[(k + j) % len(texts)], (0,)) for j in range(3)))
         for k, entry in enumerate(book().entries)
@@ -71,7 +71,7 @@ def steps_left(page: Any) -> int:
 
 
 def press(page: Any, action: int) -> None:
-    """Press a key and wait for what it does."""
+    """Press an action's key and wait for its effect."""
     before = page.inner_text(".status b.figure")
     page.keyboard.press(KEYS[action])
     page.wait_for_function(
@@ -87,7 +87,7 @@ def test_a_search_by_keys_is_a_run_like_any_other(browser_page: Any, served: Ser
     assert page.locator(".habits li").count() == 20
     page.fill("#habit-search", "eraser")
     page.wait_for_selector(".habits mark")
-    page.keyboard.press("f")  # in a field it is a letter, no action
+    page.keyboard.press("f")  # in a text field it is a letter, not an action
     page.fill("#habit-search", "")
     assert steps_left(page) == 300
     page.click("h1")
@@ -95,7 +95,7 @@ def test_a_search_by_keys_is_a_run_like_any_other(browser_page: Any, served: Ser
         press(page, action)
     assert seen(page, "#ending") == "Found the blackboard eraser"
     assert page.locator("svg.plan .path").count() == 2
-    page.keyboard.press("Enter")  # the button to go on has the focus
+    page.keyboard.press("Enter")  # the continue button has the focus
     assert seen(page, "#finished") == "The search is done"
     page.click("text=Map")
     assert seen(page, "#ending") == "Found the blackboard eraser"
@@ -137,7 +137,7 @@ def test_a_study_to_its_export(browser_page: Any, served: Served, capsys: Any) -
         page.wait_for_selector("#habit")
         for number in range(6):
             page.keyboard.press(answers[2 * number])
-            if rater == "ann" and number == 2:  # what is written is there after the page was loaded anew
+            if rater == "ann" and number == 2:  # saved answers are there after a reload
                 page.wait_for_selector("#saved:text-is('saved')")
                 page.reload()
                 page.click("[aria-label='Answer one']")
@@ -166,7 +166,7 @@ def test_a_study_to_its_export(browser_page: Any, served: Served, capsys: Any) -
 
 
 def test_an_answer_is_of_whoever_gave_it(browser_page: Any, served: Served) -> None:
-    """Also one that is sent when somebody else answers already."""
+    """Even one that is sent when another rater has already begun."""
     page = browser_page
     page.goto(f"{served.address}study")
     page.fill("#study-name", "one")
@@ -180,7 +180,7 @@ def test_an_answer_is_of_whoever_gave_it(browser_page: Any, served: Served) -> N
         "tell = async (...given) => { await going; return own(...given); }; }"
     )
     page.keyboard.press("4")
-    page.keyboard.press("y")  # waits for the first, which waits
+    page.keyboard.press("y")  # waits for the first request, which is held up
     page.click("text=Leave")
     page.fill("#rater", "bob")
     page.click("[aria-label='Answer one']")
@@ -234,7 +234,7 @@ def test_things_have_cards(browser_page: Any, served: Served) -> None:
     page.wait_for_function("() => !dirty && !asking")
     page.click("svg.plan rect.thing >> nth=0")
     page.wait_for_function("() => document.querySelector('#card h2').textContent !== 'fridge'")
-    page.click("#walk")  # what is in the middle of the picture
+    page.click("#walk")  # picks what is in the middle of the picture
     page.wait_for_function("() => document.querySelector('#card h2').textContent === 'fridge'")
 
 
@@ -257,7 +257,7 @@ def test_habits_are_searched_and_found_on_the_plan(browser_page: Any, served: Se
 
 
 def test_hostile_text_is_text(browser_page: Any, listener: Listening, tmp_path: Path) -> None:
-    """Nothing of it becomes an element, runs, hides its neighbours or breaks the page."""
+    """Hostile text does not become an element, run, hide its neighbours or break the page."""
     served, page = listener.start(tmp_path / "out", (tmp_path,), hostile_book()), browser_page
     page.goto(f"{served.address}habits")
     page.wait_for_selector(".sentence")
@@ -281,7 +281,7 @@ def test_hostile_text_is_text(browser_page: Any, listener: Listening, tmp_path: 
 
 
 def test_hostile_text_in_a_study(browser_page: Any, listener: Listening, tmp_path: Path) -> None:
-    """As items, in the sheet and in the figures; a sentence that nobody would read is refused."""
+    """Hostile sentences as items, in the sheet and in the figures; an overlong sentence is refused."""
     texts, page = [text for text in HOSTILE if len(text) < 1000], browser_page
     served = listener.start(tmp_path / "out", (tmp_path,), all_hostile(texts))
     page.goto(f"{served.address}study")
@@ -332,7 +332,7 @@ def test_runs_are_shown_while_they_grow(browser_page: Any, listener: Listening, 
     assert report.evaluate("self.origin") == "null"
 
 
-#: What each page shows once it is there.
+#: An element of each page that shows that it is ready.
 READY = {
     "": ".cards", "runs": "#detail p", "homes": "#walk[data-frames]", "habits": ".sentence", "play": "#player",
     "study": "#study-name",
@@ -341,7 +341,7 @@ TEXTS = "main :is(p, h1, h2, h3, td, th, li, label, button, span, b, dt, dd, leg
 
 
 def check_looks(page: Any, where: str) -> None:
-    """At 375 and 1440 pixels nobody scrolls sideways; in light and dark all text has contrast."""
+    """Check that nothing scrolls sideways at 375 and 1440 pixels, and that all text has contrast in light and dark."""
     for width in (375, 1440):
         page.set_viewport_size({"width": width, "height": 800})
         assert wider_than_the_window(page) == 0, (where, width)

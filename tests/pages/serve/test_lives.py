@@ -1,4 +1,4 @@
-"""A run of lives on the page Runs: while it is played, and its report."""
+"""A run over lives on the page Runs: while it is played, and its report."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_calendar_and_report_of_a_run(browser_page: Any, listener: Listening, tm
     assert page.locator("#lives .chart").count() == 2
     page.click("#make-report")
     page.wait_for_selector("#report", timeout=120_000)
-    assert page.get_by_label("Life", exact=True).input_value() == first  # the choice stays
+    assert page.get_by_label("Life", exact=True).input_value() == first  # the choice is kept
     with page.context.expect_page() as opening:
         page.click("#report")
     report = opening.value

@@ -47,13 +47,13 @@ def runs(client: TestClient) -> dict[str, dict[str, Any]]:
 
 
 def fresh(folder: Path) -> TestClient:
-    """An application that looks for runs at once."""
+    """A client of a new application, which looks for runs immediately."""
     app = make_app(Desk(folder / "out", (folder,), book()), TOKEN, PORT)
     return TestClient(app, base_url=f"http://127.0.0.1:{PORT}/{TOKEN}")
 
 
 def test_an_evaluation_is_followed_while_it_runs(tmp_path: Path) -> None:
-    """Its partial file is read as it grows; the figures at the end are those of its summary."""
+    """Its partial file is read as it grows; the final figures are those of its summary."""
     run, counts = Evaluation(eval_config(*QUICK), tmp_path / "run"), []
 
     def on_played(_: Any) -> None:
@@ -75,7 +75,7 @@ def test_an_evaluation_is_followed_while_it_runs(tmp_path: Path) -> None:
     assert len(detail["episodes"]) == 6
     n, share, low, high = detail["curves"][0]["points"][-1]
     assert (n, share) == (6, 100 * figures["success_rate"])
-    same = rate_interval([False] * 6)  # Wilson's, as where all are equal
+    same = rate_interval([False] * 6)  # Wilson's interval, used if all outcomes are equal
     assert figures["success_rate"] or (low / 100, high / 100) == pytest.approx(same.ci95)
 
 
@@ -133,7 +133,7 @@ def test_all_that_is_recorded_is_shown() -> None:
     assert not [name for name, run in found.items() if "problem" in run]
     assert (found["results/learned-frontier"]["done"], found["results/trained-equal-zson"]["kind"]) == (1000, "train")
     can = {name: found[f"results/{name}"]["can_report"] for name in ("learned-frontier", "large-belief-gt")}
-    assert can == {"learned-frontier": True, "large-belief-gt": False}  # records are kept of the first alone
+    assert can == {"learned-frontier": True, "large-belief-gt": False}  # only the first has stored records
     assert not found["results/trained-equal-zson"]["can_report"]
 
 
@@ -185,7 +185,7 @@ def test_only_what_is_new_of_a_file_is_read(tmp_path: Path) -> None:
     path.write_bytes(b"a\nbb\nc\n")
     assert tails.lines(path) == [b"a", b"bb", b"c"]
     assert read == [b"a", b"bb", b"c"]
-    path.write_bytes(b"x\n")  # another file in its place
+    path.write_bytes(b"x\n")  # replaced by another file
     assert tails.lines(path) == [b"x"]
     with pytest.raises(FileNotFoundError):
         tails.lines(tmp_path / "g")
@@ -209,7 +209,7 @@ def test_homes_are_planned_walked_and_told(client: TestClient) -> None:
     assert frame() == closed
     assert frame(yaw=1.5) != closed
     opened = [k for k in plan["openable"] if frame(open=k) != closed]
-    assert frame() == closed  # they are shut again
+    assert frame() == closed  # they are closed again
     assert all(plan["rooms"][plan["room_of"][k]] for k in opened)
     picked = {asked(client, "homes/pick", **view, u=u / 8, v=v / 8)["thing"] for u in range(9) for v in range(9)}
     assert picked - {None}
@@ -287,13 +287,13 @@ def test_a_study_is_what_the_command_scores(client: TestClient, tmp_path: Path, 
     assert "already" in client.post("/api/study/make", json={"study": "s", "n": 8, "seed": 3}).json()["error"]
     assert asked(client, "study/figures", study="s") == {"figures": None}
     items = asked(client, "study/items", study="s", rater="ann")
-    assert set(items["items"][0]) == {"item", "object", "habit", "place"}  # nothing of the key
+    assert set(items["items"][0]) == {"item", "object", "habit", "place"}  # nothing from the key
     rng = np.random.default_rng(0)
     for rater in ("ann", "bob"):
         for item in range(1, 9):
             sent = {"study": "s", "rater": rater, "item": item, "real": int(rng.integers(1, 6)), "look": None}
             client.post("/api/study/answer", json=sent).raise_for_status()
-            look = LOOK[rng.integers(3)] if item != 4 else None  # left out
+            look = LOOK[rng.integers(3)] if item != 4 else None  # one item is left out
             answers = client.post("/api/study/answer", json=sent | {"look": look}).json()["answers"]
             assert answers[str(item)] == [sent["real"], look]
     folder = tmp_path / "out" / "studies" / "s"
@@ -354,7 +354,7 @@ def test_files_beside_the_sheets_are_left_out(client: TestClient, tmp_path: Path
 
 
 def test_a_home_is_built_once(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Several requests for it at once wait for each other."""
+    """Simultaneous requests for the same home wait for one build."""
     house, built = load_house("Rs_int"), []
 
     @lru_cache
@@ -374,7 +374,7 @@ def test_a_home_is_built_once(client: TestClient, monkeypatch: pytest.MonkeyPatc
 
 def test_homes_of_ones_own_are_listed_and_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("UCON_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(own, "_KNOWN", {})  # as in a process of its own
+    monkeypatch.setattr(own, "_KNOWN", {})  # as in a new process
     monkeypatch.chdir(tmp_path)
     assert main(["home", "new", "my_home.yaml"]) == 0
     assert main(["home", "check", "my_home.yaml"]) == 0

@@ -1,4 +1,4 @@
-"""Play without a browser: what is shown and what never is, how it goes on, and the run that it leaves."""
+"""The page Play without a browser: what is shown and what never is, how games continue, and the resulting run."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def act(client: TestClient, game: str, state: dict[str, Any], actions: str) -> d
 
 
 def test_what_is_shown_tells_nothing_of_the_place(client: TestClient) -> None:
-    """Nothing but what an agent gets: no home, no coordinates of the world, no place, no solution."""
+    """Only what an agent gets: no home, no world coordinates, no place, no solution."""
     episode = load_episodes("mini")[0]
     game, state = begin(client)
     told = {**state["view"], "picture": "", "map": ""}
@@ -103,7 +103,7 @@ def test_a_sharper_picture_shows_the_same(client: TestClient) -> None:
 
 
 def test_a_run_goes_on_in_another_server_and_is_compared(tmp_path: Path, capsys: Any) -> None:
-    """Left within an episode, gone on with in another process's place, finished, and compared with an agent."""
+    """Left within an episode, continued with a new server, finished, and compared with an agent."""
     episodes, out = load_episodes("mini")[:2], tmp_path / "out"
 
     def server() -> TestClient:
@@ -179,7 +179,7 @@ def test_a_journal_is_read_as_far_as_it_is_whole(tmp_path: Path) -> None:
 
 
 def test_a_part_of_a_line_is_taken_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As where the disk is full: the action does not count, and later ones are read."""
+    """As on a full disk: the action does not count, and later ones are read."""
     path, write = tmp_path / "journal.jsonl", os.write
     journal = Journal(path)
     journal.add("e", 1)
@@ -192,7 +192,7 @@ def test_a_part_of_a_line_is_taken_back(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 def test_games_are_had_while_another_is_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """And none is opened any more once all are left."""
+    """And no game is opened any more once all were left."""
     games, begun, may, said = Games(tmp_path), threading.Event(), threading.Event(), []
     name = games.open("ann", "none", "mini", 1, 128)
 
@@ -218,7 +218,7 @@ def test_games_are_had_while_another_is_opened(tmp_path: Path, monkeypatch: pyte
     opening.join(60)
     game, error = said
     assert error == "the server is shutting down; start it again and continue"
-    with pytest.raises(ConfigError, match="was left"):  # not: all searches are done
+    with pytest.raises(ConfigError, match="was left"):  # and not "all searches are done"
         game.state()
 
 

@@ -1,4 +1,4 @@
-"""The report of a finished run, made from the page Runs and opened from there."""
+"""The report of a finished run, made and opened from the page Runs."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_what_a_click_is_answered_stays(browser_page: Any, listener: Listening, 
 
 @pytest.fixture
 def trained(tmp_path: Path) -> FoundRun:
-    """A training, as the page Runs finds it."""
+    """A training run, as the page Runs finds it."""
     (tmp_path / "train").mkdir()
     (tmp_path / "train" / "metrics.jsonl").write_text('{"loss":2.5,"step":1}\n')
     (run,) = RunList([tmp_path]).all()
@@ -78,7 +78,7 @@ def trained(tmp_path: Path) -> FoundRun:
 
 @pytest.fixture
 def as_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
-    """Has a shell script run in place of the command that makes reports."""
+    """Lets a shell script run instead of the command that makes reports."""
 
     def run(script: str) -> None:
         path = tmp_path / "python"
@@ -90,7 +90,7 @@ def as_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str]
 
 
 def fault(maker: ReportMaker, run: FoundRun) -> str:
-    """Why a report could not be made, once that is known."""
+    """Try to make a report, and return why it could not be made."""
     maker.make(run)
     until = time.monotonic() + 30
     while maker.state(run)["making"]:
@@ -110,7 +110,7 @@ def test_a_report_that_takes_too_long_is_ended(
     as_python(f"echo $$ > {tmp_path}/id; exec sleep 600")
     monkeypatch.setattr(report_maker, "_PATIENCE_S", 2.0)
     assert "timed out" in fault(ReportMaker(), trained)
-    with pytest.raises(ProcessLookupError):  # it was waited for, too
+    with pytest.raises(ProcessLookupError):  # it was also waited for, so no zombie is left
         os.kill(int((tmp_path / "id").read_text()), 0)
 
 

@@ -1,4 +1,4 @@
-"""An evaluation ends in the same bytes whether somebody watches it, films it, or nobody does."""
+"""An evaluation ends in the same bytes whether or not it is watched or filmed."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ WORDS = ("episodes=mini", "progress=false")
 
 
 class Viewer(threading.Thread):
-    """Asks a server for the list of runs, for each of them and for their page, until it is told to stop.
+    """Repeatedly requests a server's page Runs, the list of runs and each run, until stopped.
 
-    ``seen``: numbers of finished episodes that it was shown of runs that were still being played.
+    ``seen``: numbers of finished episodes that it was shown for runs still being played.
     """
 
     def __init__(self, address: str) -> None:
@@ -43,14 +43,14 @@ class Viewer(threading.Thread):
                     for run in client.get("api/runs/list").raise_for_status().json()["runs"]:
                         one = client.get("api/runs/one", params={"run": run["id"]})
                         self.asked += 1
-                        if one.status_code == 200 and not one.json()["finished"]:  # else it ended in between
+                        if one.status_code == 200 and not one.json()["finished"]:  # else the run ended in between
                             self.seen.add(one.json()["done"])
                     time.sleep(0.02)
         except Exception as error:
             self.problem = repr(error)
 
     def wait_for_one(self) -> None:
-        """Wait until an episode of an unfinished run was shown."""
+        """Wait until a finished episode of an unfinished run was shown."""
         until = time.monotonic() + 60
         while not any(self.seen) and self.is_alive() and time.monotonic() < until:
             time.sleep(0.01)
@@ -62,7 +62,7 @@ class Viewer(threading.Thread):
 
 @contextmanager
 def watched(listener: Listening, folder: Path) -> Iterator[Viewer]:
-    """Somebody who reads the runs of a folder all the time."""
+    """Context manager: a viewer that constantly reads the runs of a folder."""
     folder.mkdir()
     viewer = Viewer(listener.start(folder).address)
     viewer.start()
@@ -98,7 +98,7 @@ def test_neither_viewer_nor_films_change_a_record(listener: Listening, tmp_path:
 
 @pytest.mark.slow
 def test_the_command_with_workers_is_changed_by_nobody_who_watches(listener: Listening, tmp_path: Path) -> None:
-    """``eval.py`` with ``belief`` and two workers, each time in a process of its own."""
+    """``eval.py`` with ``belief`` and two workers, each time in a separate process."""
 
     def played(name: str, pictures: int) -> list[bytes]:
         out = tmp_path / name / "run"

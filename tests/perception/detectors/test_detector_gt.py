@@ -63,7 +63,7 @@ def test_range_is_that_of_the_nearest_pixel() -> None:
 
 
 def test_in_a_home_it_says_what_a_plain_reading_of_the_truth_says() -> None:
-    """Numbers by first sight, larger first, ties by instance; the same whether named or asked for by True."""
+    """Tracks are numbered by first sight, larger first, ties by instance; ``detector=True`` gives the same."""
     numbers: dict[int, int] = {}
     envs = [UcONEnv("mini", detector=d, habit_level="none") for d in (True, GtDetector())]
     looks = [env.reset(options={"episode": 2}) for env in envs]
@@ -87,7 +87,7 @@ def test_in_a_home_it_says_what_a_plain_reading_of_the_truth_says() -> None:
 
 
 def test_episodes_are_played_as_before_there_were_other_detectors() -> None:
-    """Actions and detections of the code that had no other, by their hashes."""
+    """Detections equal those of the code before other detectors existed, by their hash."""
     env = UcONEnv("mini", detector=True, habit_level="none")
     digest = hashlib.sha256()
     for number in range(4):

@@ -24,7 +24,7 @@ WALK = (1, 1, 1, 1, 0, 0, 3, 2, 4, 0, 0, 2, 0, 0, 4, 1, 1, 3, 0, 0, 5, 1, 0, 0)
 
 
 class Watching(NoisyDetector):
-    """Keeps the last frame."""
+    """A detector that keeps the last frame."""
 
     def find(self, frame: Frame):
         self.frame = Frame(frame.depth, None, frame.pose, frame.camera_m, 90.0, frame.instance.copy(), frame.counts)
@@ -33,7 +33,7 @@ class Watching(NoisyDetector):
 
 @pytest.fixture(scope="module")
 def frames() -> list[tuple[str, tuple[str, ...], Frame]]:
-    """Episode, categories and frame of some 600 looks in 12 homes."""
+    """Episode, categories and frame of about 600 looks in 12 homes."""
     detector = Watching(EXACT)
     env = UcONEnv("mini", observe="symbolic", detector=detector, habit_level="none")
     found = []
@@ -69,7 +69,7 @@ def test_misses_come_out_as_set_for_every_size(frames: list) -> None:
         alone = Counter(categories[k] for k in there)
         for k in there:
             if alone[categories[k]] > 1:
-                continue  # which of several was missed cannot be told by name
+                continue  # with several of a name, the missed one is unknown
             row = int(np.digitize(frame.counts[k], (30, 300)))
             found[row] += seen[categories[k]]
             expected[row] += chance(frame.counts[k])
@@ -92,12 +92,12 @@ def test_wrong_names_come_out_as_set(frames: list) -> None:
 def test_false_boxes_come_out_as_set(frames: list) -> None:
     rates = dataclasses.replace(EXACT, recall=(0.0,), false_positives=0.6)
     n = [len(boxes.label) for _, _, boxes in boxes_of(NoisyDetector(rates), frames)]
-    # One spot may be seen in many frames, so the spread is larger than that of single draws.
+    # One spot may be seen in many frames, so the spread is larger than for independent draws.
     assert np.mean(n) == pytest.approx(0.6, abs=0.15)
 
 
 def _scores(rates: Rates, frames: list) -> dict[bool, list[tuple[float, float]]]:
-    """Score of every box and metres to its middle, of right and of wrong boxes."""
+    """Scores of boxes and metres to their centres, by whether the box is right."""
     scores: dict[bool, list[tuple[float, float]]] = {True: [], False: []}
     looks = (
         (detector, look)
@@ -247,7 +247,7 @@ def test_agents_search_with_it_to_the_end(make: type) -> None:
 
 
 def test_errors_do_not_depend_on_the_target() -> None:
-    """Names of a mistake are drawn by the thing and the catalogue: any category may come, the target as others."""
+    """Wrong names depend on the thing and the catalogue only: any category may come, the target like others."""
     row = confusion("mug")
     assert row.sum() == pytest.approx(1.0)
     names = vocabulary()

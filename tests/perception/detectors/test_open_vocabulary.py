@@ -1,4 +1,4 @@
-"""Grounding DINO and OWLv2 by random models of their architectures: what goes in and comes out, not what it means."""
+"""Grounding DINO and OWLv2 with random models of their architectures: inputs and outputs, not their meaning."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_owlv2_finds_names_of_the_vocabulary_in_the_frame(owl: str) -> None:
 
 
 def test_owlv2_says_what_one_call_of_the_model_says(owl: str) -> None:
-    """With names embedded beforehand, in batches of any size, and boxes brought back from the padded square."""
+    """Even with names embedded beforehand, batches of any size, and boxes mapped back from the padded square."""
     shown = frame()
     loaded = load(DetectorWeights(owl))
     texts = [TEMPLATE.format(plain(name)) for name in NAMES]
@@ -148,7 +148,7 @@ def test_grounding_dino_splits_what_does_not_fit_its_window(folder: Path) -> Non
 
 @pytest.mark.parametrize("make", [GroundingDinoDetector, Owlv2Detector])
 def test_an_episode_with_a_model_in_it(make: type, dino: str, owl: str) -> None:
-    """Colours are drawn for the detector, but no agent that asked for symbols gets them."""
+    """Colours are rendered for the detector, but an agent with symbolic observations does not get them."""
     detector = make(
         DetectorWeights(dino if make is GroundingDinoDetector else owl), threshold=0.0, most_boxes=5, names=NAMES
     )
@@ -248,7 +248,7 @@ def test_chunks_hold_every_name_once_and_fit() -> None:
 
 
 def test_a_dot_after_each_name_takes_room() -> None:
-    """Names of two tokens take three: two fill a window of six, a seventh token is no room for a third."""
+    """Names of two tokens take three: two names fill a window of six, and a seventh token does not fit a third."""
     names, count = ("coffee cup", "toy car", "tea pot"), lambda text: len(text.split())
     assert chunks(names, count, 6) == chunks(names, count, 7) == [names[:2], names[2:]]
     assert chunks(names, count, 5) == [(name,) for name in names]

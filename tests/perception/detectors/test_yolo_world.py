@@ -1,4 +1,4 @@
-"""YOLO-World's process, with a stand-in for ``ultralytics`` that finds bright pixels and misbehaves when told to."""
+"""YOLO-World's process, with a stand-in for ``ultralytics`` that finds bright pixels and misbehaves on request."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class YOLOWorld:
 
 @pytest.fixture
 def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """A detector whose worker meets the stand-in in some mood; closed afterwards."""
+    """Makes detectors whose worker gets the stand-in in a given mode; they are closed afterwards."""
     (tmp_path / "ultralytics").mkdir()
     (tmp_path / "ultralytics" / "__init__.py").write_text(DOUBLE)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
@@ -211,7 +211,7 @@ def test_the_worker_imports_nothing_of_ucon() -> None:
 
 
 def test_a_program_that_reads_nothing_is_ended_in_time() -> None:
-    """More than fits into its pipe: it is not waited for until it reads."""
+    """A message larger than its pipe does not block until the program reads."""
     link = WorkerLink([sys.executable, "-c", "import time; time.sleep(600)"], "detector x")
     with pytest.raises(DetectorError, match=r"detector x: no answer in 1 s"):
         link.ask([bytes(1 << 20)], 1.0)

@@ -50,7 +50,7 @@ def owlv2(folder: Path, words: tuple[str, ...]) -> Path:
     from transformers.models.owlv2.image_processing_pil_owlv2 import Owlv2ImageProcessorPil
 
     folder.mkdir()
-    # The last number marks the end of a text: the model reads the text off that token.
+    # The end token needs the highest id: the model takes the text's embedding there.
     tokens = ["!", "<unk>", "<start>", *sorted({*words, "a", "photo", "of"}), "<end>"]
     vocab = {token: k for k, token in enumerate(tokens)}
     inner = Tokenizer(models.WordLevel(vocab, unk_token="<unk>"))

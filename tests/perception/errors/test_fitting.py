@@ -1,4 +1,4 @@
-"""Errors are fitted on looks whose truth is known."""
+"""Errors are fitted on looks with known truth."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from ucon.task.sets import load_episodes
 
 
 def made(n: int = 20_000, right: float = 0.7, *, seed: int = 0) -> tuple[Looks, FalseBoxes]:
-    """Looks by a known rule: the chance depends on size alone, and errors last for a quarter turn."""
+    """Looks by a known rule: the chance depends only on size, and errors persist within a quarter turn."""
     draw = np.random.default_rng(seed)
     home, thing = np.arange(n) % 40, draw.integers(0, 50, n)
     name = (thing * 7) % len(vocabulary())
@@ -50,7 +50,7 @@ def test_a_known_rule_is_found_again() -> None:
     assert errors.right == pytest.approx(0.7, abs=0.02)
     assert errors.false_boxes == pytest.approx(0.2)
     assert errors.sides == 4
-    assert errors.repeats > 0.3  # chances differ with the pixels of a look
+    assert errors.repeats > 0.3  # below 1, since chances differ with the pixels of a look
     assert errors.repeats_elsewhere < 0.1
     # Of two normal distributions one apart, the logit of the score has a likelihood ratio of exp(z - 1/2).
     assert errors.evidence(0.5) == pytest.approx(-0.5, abs=0.3)

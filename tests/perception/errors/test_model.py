@@ -1,4 +1,4 @@
-"""The file of a detector's errors, and what it says."""
+"""The file of a detector's errors, and its probabilities."""
 
 from __future__ import annotations
 

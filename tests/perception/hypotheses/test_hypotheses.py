@@ -61,7 +61,7 @@ def test_a_better_score_is_better_evidence() -> None:
 
 
 def test_two_names_of_one_thing_are_weighed() -> None:
-    """Two sides say mug, one says cup: the thing is called a mug, and the other name is not forgotten."""
+    """If two sides say mug and one says cup, the thing is called a mug, and the other name keeps some probability."""
     hypotheses = named("cup")
     category = [""]
     for k, name in enumerate(("mug", "cup", "mug")):
@@ -153,7 +153,7 @@ def test_another_search_forgets_what_may_have_been_moved() -> None:
     assert not hypotheses.named(("mug", "bowl"), 1).any()
     fresh = named("bowl")
     for one in (hypotheses, fresh):
-        seen(one, "bowl")  # from where it was looked at before
+        seen(one, "bowl")  # from the same pose as before
     assert hypotheses.p_target[0] == fresh.p_target[0] > 0.5
     assert hypotheses.exists[0] == fresh.exists[0]
 
@@ -168,5 +168,5 @@ def test_another_search_keeps_furniture_and_asks_for_its_own_target() -> None:
     assert hypotheses.p_target[0] == pytest.approx(alone.p_target[0])
     assert hypotheses.exists[0] == pytest.approx(alone.exists[0])
     assert len(hypotheses.looks[0]) == 1
-    hypotheses.search_again("mug", [200])  # a track that no look was at
+    hypotheses.search_again("mug", [200])  # a track without looks
     assert hypotheses.p_target[0] == pytest.approx(before)

@@ -19,7 +19,7 @@ PX = 128
 
 
 def room(pose: tuple[float, float, float, float], things: list[np.ndarray]) -> tuple[Frame, np.ndarray]:
-    """A frame of boxes (6,) on the floor of a room of 10 x 10 x 2.5 m around (2, 0), and the thing of every pixel."""
+    """A frame of boxes (6,) in a room of 10 x 10 x 2.5 m around (2, 0), and the box number of every pixel."""
     x, y, yaw, pitch = pose
     v, u = np.mgrid[:PX, :PX]
     right, up = (u + 0.5 - 64) / 64, (63.5 - v) / 64
@@ -74,7 +74,7 @@ def test_one_thing_seen_from_all_sides_stays_one_track() -> None:
         assert found.track[-1] == 4, pose
         assert found.category[-1] == "stool"
         mine = found.image == 4
-        own = (owner == 0) & (heights(frame) > 0.06)  # what is lower counts as floor
+        own = (owner == 0) & (heights(frame) > 0.06)  # lower points count as floor
         assert (mine & own).sum() > 0.95 * own.sum(), "what is the thing's is given to it"
         assert (mine & (owner < 0)).sum() < 0.25 * (owner == 0).sum(), "and little else"
 
@@ -182,7 +182,7 @@ def test_obstacles_are_a_kind_of_their_own() -> None:
 
 
 def test_maps_of_a_home_agree_on_what_blocks() -> None:
-    """With exact boxes an agent may stand nearly where it may with the truth."""
+    """With exact boxes, the cells where an agent can stand are nearly those of the truth."""
     maps = []
     for detector in (True, NoisyDetector(EXACT)):
         env = UcONEnv("mini", observe="symbolic", detector=detector, habit_level="none")

@@ -29,7 +29,7 @@ def near(metres: float) -> float:
 
 def test_the_inner_half_of_a_box_says_how_far_it_is() -> None:
     depth = np.full((8, 8), 2.0)
-    depth[2:5, 2:5] = 1.0  # nine of its sixteen pixels; with one row more it would be nine of twenty
+    depth[2:5, 2:5] = 1.0  # nine of the inner half's sixteen pixels
     assert main_depth(depth, (0, 0, 8, 8)) == near(1.0)
     depth[4, 2:5] = 2.0
     assert main_depth(depth, (0, 0, 8, 8)) == near(2.0)
@@ -53,7 +53,7 @@ def test_what_goes_on_beyond_the_box_is_left_out() -> None:
 
 
 def scene() -> tuple[np.ndarray, np.ndarray]:
-    """Depth of a box 0.5 m wide and high, at 2 m on the floor before a wall at 4 m; and where the box is."""
+    """Depth of a box 0.5 m wide and high, 2 m away on the floor, with a wall at 4 m; and where the box is."""
     v, u = np.mgrid[:64, :64]
     up, right = (31.5 - v) / 32, (u - 31.5) / 32
     floor = np.where(up < 0, -1.0 / np.minimum(up, -1e-9), 99.0)
@@ -62,7 +62,7 @@ def scene() -> tuple[np.ndarray, np.ndarray]:
     front = (np.abs(right * 2.0) < 0.25) & (up * 2.0 < -0.5) & (up * 2.0 > -1.0)
     above = (top > 2.0) & (top < 2.5) & (np.abs(right * top) < 0.25)
     depth = np.where(above, top, np.where(front, 2.0, depth))
-    return depth.astype(np.float32), (front & (up * 2.0 > -0.94)) | above  # what is lower counts as floor
+    return depth.astype(np.float32), (front & (up * 2.0 > -0.94)) | above  # lower points count as floor
 
 
 def test_planes_are_patches_and_what_stands_on_them_is_another() -> None:
@@ -80,7 +80,7 @@ def test_planes_are_patches_and_what_stands_on_them_is_another() -> None:
 
 @pytest.mark.parametrize("off", [-2, 0, 2])
 def test_a_thing_in_a_box_is_not_the_floor_and_wall_around_it(off: int) -> None:
-    """Also where the box is too large or too small by two pixels of 16."""
+    """Also if the box is too large or too small by two pixels of 16."""
     depth, thing = scene()
     v, u = np.nonzero(thing)
     box = np.array([[u.min() - off, v.min() - off, u.max() + 1 + off, v.max() + 1 + off]], np.int32)
@@ -95,7 +95,7 @@ def test_a_thing_in_a_box_is_not_the_floor_and_wall_around_it(off: int) -> None:
 
 
 def test_a_thing_flush_with_its_neighbours_is_what_the_box_says() -> None:
-    depth = np.full((64, 64), 2.0, np.float32)  # the fronts of a row of cupboards
+    depth = np.full((64, 64), 2.0, np.float32)  # the flush fronts of a row of cupboards
     owner, extent, _ = segmented(depth, np.array([[20, 20, 40, 40]], np.int32))
     assert (owner == 0).sum() == 400
     assert extent[0, 4] - extent[0, 1] == pytest.approx(19 / 32 * 2)
@@ -154,7 +154,7 @@ def test_boxes_have_a_pixel_at_least_and_lie_within_the_frame() -> None:
 
 
 def test_what_is_too_large_may_still_be_itself() -> None:
-    """A mug of two metres, by a wrong name, seen again a little farther on."""
+    """Something too large to be a mug but wrongly named so, seen again a little farther on."""
     old = np.array([1.0, 0.0, 0.0, 2.0, 1.5, 1.0])
     assert association_kernels._misfit(old, old + 0.05, 0.3, 0.3) == pytest.approx(0.1 * 0.05 * np.sqrt(3))
     assert association_kernels._misfit(old, old + 0.5, 0.3, 0.3) == np.inf

@@ -1,4 +1,4 @@
-"""Small homes for tests of the renderer: three rooms and a garden, made by hand."""
+"""Small hand-made homes for tests of the renderer: three rooms and a garden."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def build(category: str, size: Vec3 | None, tint: int) -> ObjectModel:
 
 
 def three_rooms() -> HomeSpec:
-    """Two rooms side by side, one behind both with a full-width opening, and a garden."""
+    """A living room, a kitchen and a hall that are joined by openings (one of full width), and a garden."""
     rooms = (
         Room("living", "living_room", (0.0, 0.0, 4.0, 5.0), (150, 110, 70), Material.PARQUET, (225, 215, 200)),
         Room("kitchen", "kitchen", (4.0, 0.0, 7.0, 3.0), (200, 200, 205), Material.TILE, (200, 220, 225)),
@@ -86,7 +86,7 @@ def three_rooms() -> HomeSpec:
 
 
 def house_of(spec: HomeSpec) -> House:
-    """A house whose nodes are all that lie clear of the walls; for pictures only."""
+    """A house whose free nodes are all those clear of the walls; only for rendering."""
     low = np.min([r.rect[:2] for r in spec.rooms], axis=0)
     shape = tuple(np.rint((np.max([r.rect[2:] for r in spec.rooms], axis=0) - low) / GRID_M).astype(int))
     free, room = np.zeros(shape, bool), np.full(shape, -1, np.int16)
@@ -106,7 +106,7 @@ def frame(renderer: RasterRenderer, *camera: float) -> tuple[np.ndarray, np.ndar
 
 
 def camera_poses(house: House, count: int, key: str) -> list[tuple[float, float, float, int, int]]:
-    """Poses anywhere that the camera can be: off the walls, and also in the middle of openings."""
+    """Random camera poses in rooms away from walls, and every third one in an opening."""
     random = stream(1, "poses", key, house.spec.name)
     poses = []
     openings = house.spec.openings
@@ -125,7 +125,7 @@ def camera_poses(house: House, count: int, key: str) -> list[tuple[float, float,
 
 
 def scattered(house: House, count: int, categories: tuple[str, ...]) -> Arrangement:
-    """Objects in the air all over the home, turned any way, some of them across openings."""
+    """Objects in the air all over the home in random orientations, some of them across openings."""
     random = stream(2, "scatter", house.spec.name)
     objects = []
     for number in range(count):

@@ -1,4 +1,4 @@
-"""The rasteriser: culling changes no pixel, pictures repeat, buffers are optional, memory is small."""
+"""The rasteriser: culling changes no pixel, images are repeatable, buffers are optional, memory is small."""
 
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ def test_memory_of_a_home(name: str) -> None:
 
 
 def test_every_room_is_closed() -> None:
-    """Indoors there is something behind every pixel."""
+    """Indoors, every pixel shows something other than sky."""
     house = house_of(home_spec("Rs_int"))
     renderer = RasterRenderer(64, 64)
     renderer.load(house)

@@ -1,4 +1,4 @@
-"""Scan conversion in blocks draws what the rule says, pixel by pixel, to the last bit."""
+"""Scan conversion in blocks equals the rule applied pixel by pixel, to the last bit."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ HALF = F(0.5)
 def one_by_one(
     polygon: np.ndarray, plane: tuple, window: tuple, depths: np.ndarray, faces: np.ndarray, face: int
 ) -> None:
-    """The rule, plainly: a pixel is in where its centre lies between the edges that its row crosses."""
+    """The rule in plain form: a pixel is inside if its centre is between the edges that its row crosses."""
     for y in range(window[1], window[3]):
         sides = [None, None]
         for k in range(polygon.shape[1]):

@@ -1,4 +1,4 @@
-"""A loose gate on the renderer's speed, as a ratio to TinyRenderer in the same process."""
+"""A loose bound on the renderer's speed, relative to TinyRenderer in the same process."""
 
 from __future__ import annotations
 

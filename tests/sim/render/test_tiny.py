@@ -1,4 +1,4 @@
-"""PyBullet's renderer, drawing our polygons, must see what the rasteriser sees."""
+"""PyBullet's renderer, drawing our polygons, must show the same as the rasteriser."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ def test_in_the_open_a_path_is_hardly_longer_than_the_line(floor: Floor) -> None
 
 
 def test_round_a_wall_it_goes_through_the_doorway(floor: Floor) -> None:
-    """A string pulled taut round both jambs, 0.18 m off them."""
+    """The path is a taut string around both jambs, 0.18 m away from them."""
     field = PathGrid(floor).field(4.5, 3.5)
     beside, above, r = 0.5 - WALL_THICKNESS_M / 2, 1.0, floor.radius_m
     away = math.hypot(beside, above)

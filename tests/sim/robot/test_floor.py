@@ -1,4 +1,4 @@
-"""The floor of a robot: footprints and the way of a disc among them, against geometry and against PyBullet."""
+"""The floor of a robot: footprints and the motion of a disc among them, against geometry and PyBullet."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def floor_of(house: House, arrangement: Arrangement | None = None, radius_m: flo
 
 def test_a_disc_stops_where_it_touches_a_wall() -> None:
     floor = floor_of(hand_house())
-    # From the middle of the empty part of the second room to the wall at y = 4, whose half is 0.06 m thick.
+    # From the empty part of the second room to the wall at y = 4, half of which (0.05 m) is on this side.
     wall_y = float(hand_house().boxes[hand_house().n_items + 3 + 1][4])
     gone = floor.free_way(7.0, 1.0, 0.0, 5.0)
     inner = next(y for y in np.arange(3.0, 4.0, 1e-4) if floor.clearance(7.0, y) <= 1e-9)
@@ -45,7 +45,7 @@ def test_it_slides_along_a_wall_and_leaves_it() -> None:
 
 
 def test_a_gap_wider_than_the_disc_is_passed_and_a_narrower_one_is_not() -> None:
-    width = 1.0  # of the doorway at x = 5
+    width = 1.0  # width of the doorway at x = 5
     for radius_m, passes in ((0.2, True), (width / 2 - 0.01, True), (width / 2 + 0.01, False)):
         gone = floor_of(hand_house(), radius_m=radius_m).free_way(4.0, 2.0, 2.0, 0.0)
         assert (gone == 2.0) == passes
@@ -88,7 +88,7 @@ def test_tilted_things_are_as_wide_as_their_corners(category: str, rpy: tuple[fl
 
 
 def test_pybullet_agrees() -> None:
-    """Within 5 mm of every move, and in all collisions, over random walks through three homes."""
+    """Every move agrees within 5 mm, and over 99 % of collisions, in random walks through three homes."""
     apart, flags = [], []
     for episode in load_episodes("mini")[4::16]:
         house, rng = load_house(episode.scene), np.random.default_rng(4)

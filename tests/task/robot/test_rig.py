@@ -1,4 +1,4 @@
-"""Rigs that cannot be are refused in one line."""
+"""Impossible rigs are refused in one line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a robot moves: exactly, with errors, and as its odometry has it."""
+"""How a robot moves: exactly, with errors, and according to its odometry."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ APPLE = PlacedObject("apple", (9.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0), 1, "ontop",
 
 
 class OpenGround:
-    """A floor without end and without things."""
+    """An endless floor without obstacles."""
 
     def free_way(self, x: float, y: float, dx: float, dy: float) -> float:
         return float(np.hypot(dx, dy))
@@ -120,7 +120,7 @@ def test_errors_of_turns_do_not_add_up_in_the_robots_own_frame() -> None:
 
 
 def test_odometry_drifts_by_two_metres_in_a_loop_of_120() -> None:
-    """2.21 m (1.8 %) of a Go2 in a loop of 120 m: a hexagon of 20 m a side, by the robot's own odometry."""
+    """A Go2 drifts by 2.21 m (1.8 %) in a loop of 120 m; here the loop is a hexagon of 20 m a side."""
     apart = []
     for number in range(60):
         search = robot(RobotRig(motion_noise=0.0), f"loop {number}", endless=True)

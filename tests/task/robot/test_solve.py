@@ -1,4 +1,4 @@
-"""Shortest paths and solutions of the episodes of a robot."""
+"""Shortest paths and solutions of a robot's episodes."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_a_solver_finds_the_stored_path_again(closed: bool) -> None:
 
 
 def test_no_search_succeeds_by_less_than_the_shortest_path() -> None:
-    """Random walks that end as soon as Done would succeed."""
+    """Tested on random walks that end as soon as Done would succeed."""
     near = sorted((e for e in episodes() if "5" not in e.solution), key=lambda e: e.shortest_path_m)[:8]
     rng, successes = np.random.default_rng(2), 0
     for episode in near:
@@ -90,7 +90,7 @@ def test_no_search_succeeds_by_less_than_the_shortest_path() -> None:
 
 
 def looked(search: RobotSearch) -> list[bool]:
-    """Whether the target is in reach at each pitch, at this place and yaw; the robot is level again afterwards."""
+    """Whether the target is in reach at each pitch, at this position and yaw; the camera is level again afterwards."""
     found = [search.target_in_reach()]
     for actions in ((Action.LOOK_UP, 2), (Action.LOOK_DOWN, 4)):
         for _ in range(actions[1]):

@@ -42,7 +42,7 @@ def run(args: argparse.Namespace) -> int:
 
     Raises:
         ConfigError: ``--book`` or ``--verifier`` without ``--out``, or a folder that does not exist.
-        DataError: the model is not there, or the book breaks a rule of its format.
+        DataError: the model is missing, or the book breaks a rule of its format.
     """
     from ucon.configuration.wiring import existing
     from ucon.core.errors import ConfigError
@@ -99,7 +99,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _asked(path: str) -> AskedVerifier:
-    """A language model as verifier; an error of one line where it is not there."""
+    """A language model as verifier; a one-line error where it is missing."""
     from ucon.generation.asked import AskedVerifier
     from ucon.language.models.causal_lm import CausalModel
 

@@ -1,4 +1,4 @@
-"""``python -m ucon habits import``: the content of a file of the official release, and what of it homes can realise."""
+"""``python -m ucon habits import``: what a file of the official release contains, and what homes can realise of it."""
 
 from __future__ import annotations
 

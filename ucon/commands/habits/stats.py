@@ -1,4 +1,4 @@
-"""``python -m ucon habits stats``: figures and plots of a dataset, optionally beside another one."""
+"""``python -m ucon habits stats``: figures and plots of a dataset, optionally next to another one."""
 
 from __future__ import annotations
 

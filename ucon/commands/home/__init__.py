@@ -1,4 +1,4 @@
-"""``python -m ucon home ACTION``: begins a home of one's own, and says what is built of it; a module per action."""
+"""``python -m ucon home ACTION``: writes a home file to edit, and says what is built from one; a module per action."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``python -m ucon home check FILE.yaml``: says what is built of a home file, what is not, and where things are."""
+"""``python -m ucon home check FILE.yaml``: says what is built from a home file, what is not, and where things are."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ucon.task.own_home.placed import Placed
     from ucon.task.own_home.wish import OwnHome
 
-#: Left out where a room is described in words.
+#: Categories that are left out where a room is described in words.
 _OF_EVERY_ROOM = ("window", "electric_switch", "room_light", "door")
 
 
@@ -141,7 +141,7 @@ def _request(one: Placed, rooms: list[str]) -> dict[str, Any]:
 
 
 def _lines(found: dict[str, Any]) -> Iterator[str]:
-    """The same in words."""
+    """The findings in words."""
     yield f"{found['home']}: a {found['kind']} of {found['area_m2']:g} m2, named {found['name']}"
     for room in found["rooms"]:
         things = ", ".join(_counted(one, n) for one, n in room["furniture"].items() if one not in _OF_EVERY_ROOM)

@@ -1,4 +1,4 @@
-"""``python -m ucon home new FILE.yaml``: writes the worked example, to be changed into a home of one's own."""
+"""``python -m ucon home new FILE.yaml``: writes the worked example, to be edited into your own home."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def run(args: argparse.Namespace) -> int:
         Exit code 0.
 
     Raises:
-        ConfigError: the name has another ending, or a file is there.
+        ConfigError: the name has another ending, or the file exists.
     """
     from ucon.core.errors import ConfigError
     from ucon.core.files import write_atomic

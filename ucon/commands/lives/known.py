@@ -1,4 +1,4 @@
-"""``python -m ucon lives known SET FOLDER``: how well robots came to know their households."""
+"""``python -m ucon lives known SET FOLDER``: how well robots got to know their households."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """``python -m ucon lives make SET``: makes a set of lives.
 
-Lives made so far are stored in a file beside the set's (``.part``): the same command continues after an interruption.
+Lives made so far are stored in a file next to the set's (``.part``): the same command continues after an interruption.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _pools(address: str | None) -> AbstractContextManager[None]:
-    """Where lives are made: on this machine for None, else on the Ray cluster of an address; "" makes one."""
+    """Where lives are made: on this machine for None, else on the Ray cluster at an address; "" starts one."""
     if address is None:
         return nullcontext()
     from ucon.cluster.runner import RayRunner

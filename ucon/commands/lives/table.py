@@ -1,4 +1,4 @@
-"""``python -m ucon lives table RUN``: runs of lives by day and by what the robot could know."""
+"""``python -m ucon lives table RUN``: tables of runs of lives, by day and by what the robot could know."""
 
 from __future__ import annotations
 

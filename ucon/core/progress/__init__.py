@@ -1,4 +1,4 @@
-"""Progress on standard error: a bar in a terminal, otherwise a plain line now and then."""
+"""Progress on standard error: a bar in a terminal, otherwise a plain line from time to time."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import Any, Final, TypeVar
 #: Least and greatest time between two plain lines, seconds.
 LEAST_S: Final = 5.0
 MOST_S: Final = 30.0
-#: A plain line is due after this share of the work, within those times.
+#: A plain line is due after this share of the work, within the times above.
 SHARE: Final = 0.1
 
 Tick = Callable[[int], None]
@@ -89,7 +89,7 @@ def part(label: str, total: int | None = None) -> Iterator[Tick]:
 
     Args:
         label: what is being done.
-        total: amount of work; None shows only that it goes on, and how long it took last time.
+        total: amount of work; None: not counted, and a bar estimates the time left from how long it took last time.
 
     Yields:
         A function to call with the amount done.
@@ -151,7 +151,7 @@ class _Nothing:
 
 
 class _Bar:
-    """A live bar, and one more for a part."""
+    """A live bar, and a second one for a part."""
 
     def __init__(self, label: str, total: int, unit: str, done: int, note: str) -> None:
         from rich.console import Console
@@ -167,7 +167,7 @@ class _Bar:
         from rich.text import Text
 
         class Left(TimeRemainingColumn):
-            """The time left, of a part that counts nothing by what it took the last time."""
+            """The time left; for a part without a total, estimated from how long it took last time."""
 
             def render(self, task: Task) -> Text:
                 usual = task.fields["usual_s"]
@@ -209,7 +209,7 @@ class _Bar:
 
 
 class _Lines:
-    """A line at the beginning, at the end, and now and then between."""
+    """A line at the beginning, at the end, and from time to time in between."""
 
     def __init__(
         self, label: str, total: int, unit: str, done: int, note: str, clock: Callable[[], float] = time.monotonic

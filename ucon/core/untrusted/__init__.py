@@ -1,1 +1,1 @@
-"""Reading files of others: types checked, sizes limited, nothing executed."""
+"""Reading files from untrusted sources: types checked, sizes limited, nothing executed."""

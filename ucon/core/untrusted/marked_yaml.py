@@ -1,8 +1,8 @@
 """YAML that people write, read with the line of every value: plain data only, of limited size, in the core schema.
 
-Aliases, anchors, tags, a second document, keys that stand twice, control characters and numbers too large for arrays
-are refused. A word is a number, ``true``, ``false`` or ``null`` where it looks like one without quotes; everything else
-is text, ``yes`` and ``2026-01-01`` too. Nothing is constructed, so nothing in a text decides what code runs.
+Aliases, anchors, tags, a second document, duplicate keys, control characters and numbers too large for arrays are
+refused. An unquoted word that looks like a number, ``true``, ``false`` or ``null`` is read as one; everything else is
+text, including ``yes`` and ``2026-01-01``. Nothing is constructed, so nothing in a text decides what code runs.
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ _MOST_DIGITS: Final = 15
 
 @dataclass(frozen=True)
 class Marked:
-    """A value and where it stands.
+    """A value and where it comes from.
 
     Attributes:
         value: a text, a number, True, False, None, a list of :class:`Marked`, or a dict of them by text.
         where: file and line, for messages.
-        keys: of a dict, where each key stands.
+        keys: for a dict, the ``where`` of each key.
     """
 
     value: Any
@@ -105,7 +105,7 @@ def marked(value: Any, where: str) -> Marked:
         where: what it is, such as ``home``; keys are added to it.
 
     Raises:
-        DataError: too deep or too much, a key that is no text or blank, or an object of another kind.
+        DataError: too deep or too much, a key that is blank or not text, or an object of another kind.
     """
     return _of_data(value, where, 0, iter(range(MOST_VALUES)))
 

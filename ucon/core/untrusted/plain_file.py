@@ -37,7 +37,7 @@ def read_plain(path: Path, most: int) -> bytes:
 
 
 def read_bounded(path: Path, most: int) -> bytes:
-    """As :func:`read_plain`, for callers with error messages of their own.
+    """As :func:`read_plain`, for callers with their own error messages.
 
     Args:
         path: the file.

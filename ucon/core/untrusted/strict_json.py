@@ -1,7 +1,7 @@
-"""The reader for JSON of others: limited size, depth and numbers, and no duplicate keys.
+"""The reader for JSON from untrusted sources: limited size, depth and numbers, and no duplicate keys.
 
 Python's own reader accepts NaN, whole numbers of a thousand digits, duplicate keys, and lists nested until the
-interpreter's stack overflows. Here they are refused, once for all callers.
+interpreter's stack overflows. This reader refuses them, for all callers.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Reads JSON into dataclasses by their annotations: exactly the declared fields, each of its exact type.
 
-Nothing is converted: ``true`` is no number, ``1`` no float, ``"no"`` no boolean; NaN and infinity are refused.
+Nothing is converted: ``true`` is not a number, ``1`` not a float, ``"no"`` not a boolean; NaN and infinity are refused.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def read_as(cls: type[T], data: Any, where: str, what: str, *, without: tuple[st
         where: file and line, for errors.
         what: the class in words, for errors.
         without: fields that the object does not have.
-        remedy: what to do about an object that is none; by default, for records of runs, to evaluate again.
+        remedy: what to do about an object that is refused; by default, for records of runs, to evaluate again.
 
     Raises:
         DataError: naming a field that is missing, unknown, or of another type.
@@ -73,7 +73,7 @@ def read_as(cls: type[T], data: Any, where: str, what: str, *, without: tuple[st
 
 
 class _WrongTypeError(Exception):
-    """What was expected."""
+    """A value has the wrong type; the message says what was expected."""
 
 
 @lru_cache
@@ -83,7 +83,7 @@ def _readers(cls: type[Any]) -> dict[str, Callable[[Any], Any]]:
 
 
 def _reader(kind: Any) -> Callable[[Any], Any]:
-    """Gives a value of ``kind`` back as it is; raises :class:`_WrongTypeError` for others."""
+    """A function that returns values of ``kind`` unchanged and raises :class:`_WrongTypeError` for others."""
     if kind in _SIMPLE:
         return _SIMPLE[kind]
     inner = get_args(kind)

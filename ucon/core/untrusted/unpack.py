@@ -1,7 +1,7 @@
-"""Unpacking compressed files of others, never beyond a given limit, whatever the file claims.
+"""Unpacking compressed files from untrusted sources, never beyond a given limit, whatever the file claims.
 
 A few hundred kilobytes of xz or zlib can hold gigabytes, and the header of an array may claim any number of elements.
-So data are unpacked piece by piece up to the limit, and arrays are made only if their bytes are there.
+So data are unpacked piece by piece up to the limit, and arrays are created only if their bytes are present.
 """
 
 from __future__ import annotations
@@ -123,7 +123,7 @@ def read_array(raw: bytes) -> NDArray:
     """The array of an ``.npy`` file.
 
     Raises:
-        UnpackError: not an array, one of objects, or its header claims another size than there is.
+        UnpackError: not an array, an array of objects, or its header claims a size that the data do not have.
     """
     file = io.BytesIO(raw)
     try:

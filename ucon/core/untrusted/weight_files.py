@@ -1,7 +1,7 @@
 """Files of a model's weights on this machine, and a fingerprint that reads only a few megabytes of them.
 
-A folder's name says little: its weights may be exchanged, and a resumed run would mix two models. File times say
-nothing either, since copies have others.
+A folder's name does not identify a model: its weights may be replaced, and a resumed run would mix two models. File
+times do not either, since copying changes them.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def local_folder(name: str, *, download: bool = False) -> Path | None:
         download: fetch a name that is not in the cache from the hub.
 
     Returns:
-        None where there is none.
+        The folder; None if there is none.
     """
     folder = Path(name).expanduser()
     if folder.is_dir():
@@ -55,7 +55,7 @@ def missing_parts(folder: Path) -> list[str]:
 
 
 def parameters_in(folder: Path) -> int:
-    """Number of a model's weights, at least: by the headers of its safetensors files; files of other kinds count 0.
+    """Lower bound on a model's number of weights, by the headers of its safetensors files; other files count 0.
 
     Args:
         folder: in Hugging Face layout.
@@ -69,15 +69,15 @@ def _parameters(path: Path) -> int:
         raw = start + file.read(min(int.from_bytes(start, "little"), _MOST_HEADER))
     try:
         return sum(prod(shape) for _, shape in header(raw, path).values())
-    except DataError:  # whoever loads it says what is wrong with it
+    except DataError:  # loading the model reports what is wrong with it
         return 0
 
 
 def fingerprint(path: Path) -> str:
     """SHA-256 of a weights file, or of a model's files in a folder, over names, sizes and samples of the content.
 
-    Small files, such as a configuration or the index of the weights, count whole. Of large ones the header (where there
-    is one) and evenly spread pieces count, which differ between two sets of weights of one shape.
+    Small files, such as a configuration or the index of the weights, are hashed whole. Of large ones, the header (if
+    there is one) and evenly spaced pieces are hashed, which differ between two sets of weights of the same shape.
     """
     kinds = {pattern.removeprefix("*") for pattern in PATTERNS}
     files = [path] if path.is_file() else sorted(p for p in path.iterdir() if p.is_file() and p.suffix in kinds)

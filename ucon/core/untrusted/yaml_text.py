@@ -1,4 +1,4 @@
-"""Checks of YAML that somebody else wrote."""
+"""Checks of YAML from untrusted sources."""
 
 from __future__ import annotations
 

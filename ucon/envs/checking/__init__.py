@@ -1,4 +1,4 @@
-"""Checks that an environment, or a user's wrapper around one, keeps what the task promises."""
+"""Checks that an environment, or a user's wrapper around one, keeps the promises of the task."""
 
 from ucon.envs.checking.findings import Finding
 from ucon.envs.checking.run import check

@@ -1,4 +1,4 @@
-"""Checks of the action masks: which actions may be chosen, and what choosing another one costs."""
+"""Checks of the action masks: which actions may be chosen, and what an invalid choice costs."""
 
 from __future__ import annotations
 

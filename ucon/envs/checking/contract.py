@@ -26,17 +26,17 @@ WALK: Final = (0, 0, 1, 0, 2, 3, 5, 4, 4, 0, 0, 1, 5, 0, 3, 0, 0, 2, 0, 0)
 
 
 def played(subject: Subject, env: Env, first: Step, actions: int = len(WALK), start: int = 0) -> list[Step]:
-    """Play some steps; the same actions in every run.
+    """Play some steps, with the same actions in every run.
 
     Args:
         subject: decides whether actions are choices.
         env: the environment, after its reset.
-        first: the answer of the reset, or of the last step.
-        actions: most steps; the end of the episode ends it earlier.
+        first: result of the reset or of the last step.
+        actions: most steps to play; fewer if the episode ends earlier.
         start: number of the first action.
 
     Returns:
-        The answers of the steps, without ``first``.
+        The results of the steps, without ``first``.
     """
     seen = [first]
     for number in range(start, start + actions):
@@ -79,7 +79,7 @@ def spaces(subject: Subject) -> Finding:
 def seeds(subject: Subject) -> Finding:
     """The same seed gives the same bytes, and other seeds give other episodes.
 
-    Two environments with one seed, one of them twice; then eight seeds, which must give at least two episodes.
+    Compares two environments with one seed, one of them played twice; eight seeds must give at least two episodes.
     """
     envs = [subject.make() for _ in range(2)]
     runs = [_begun(subject, env) for env in (*envs, envs[0])]
@@ -161,7 +161,7 @@ def after_the_end(subject: Subject) -> Finding:
 def last_step(subject: Subject) -> Finding:
     """An episode without Done is truncated exactly at the last step of the rules.
 
-    The target is moved far below the floor, so that no choice can end the episode.
+    The target is placed far below the floor, so that no choice can end the episode.
     """
     env, most = subject.make(), core(subject.make()).rules.max_steps
     seen, taken = reset(env, without_target(subject.episodes()[0])), 0
@@ -178,7 +178,7 @@ def last_step(subject: Subject) -> Finding:
 def frames(subject: Subject) -> Finding:
     """``render`` returns frames that change as the agent moves.
 
-    Expected are uint8 arrays (H, W, 3) that are not of one colour.
+    The frames must be uint8 arrays (H, W, 3) with more than one colour.
     """
     env = subject.make(render_mode="rgb_array")
     first = reset(env, 0)
@@ -200,15 +200,15 @@ def without_target(episode: Episode) -> Episode:
 
 
 def to_the_end(subject: Subject, env: Env, first: Step) -> Step:
-    """Play until the episode is over: choices, or three rotations and Done.
+    """Play until the episode is over, with choices, or with three rotations and Done.
 
     Args:
         subject: decides whether actions are choices.
         env: the environment, after its reset.
-        first: the answer of the reset.
+        first: result of the reset.
 
     Returns:
-        The answer of the last step.
+        The result of the last step.
     """
     seen, number = first, 0
     while not seen.over and number < 400:
@@ -218,7 +218,7 @@ def to_the_end(subject: Subject, env: Env, first: Step) -> Step:
 
 
 def _fits(obs: Any, space: Any) -> bool:
-    """Whether an observation lies in its space with the right dtype; Gymnasium itself accepts lists for arrays."""
+    """Whether an observation lies in its space with the right dtype; Gymnasium itself accepts lists as arrays."""
     if isinstance(space, spaces_of.Dict):
         return obs.keys() == space.keys() and all(_fits(obs[name], space[name]) for name in space)
     typed = not isinstance(space, spaces_of.Box) or getattr(obs, "dtype", None) == space.dtype
@@ -226,7 +226,7 @@ def _fits(obs: Any, space: Any) -> bool:
 
 
 def _refused(call: Callable[[], Any]) -> bool:
-    """Whether a call raises an error that refuses: one of UcON's, or those of Gymnasium's own wrappers."""
+    """Whether a call is refused with one of UcON's errors or those of Gymnasium's own wrappers."""
     try:
         call()
     except (UconError, AssertionError, ValueError, TypeError):

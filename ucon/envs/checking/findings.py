@@ -1,4 +1,4 @@
-"""The result of one check, and the comparison of observations and infos to the byte."""
+"""The result of one check, and the byte-exact comparison of observations and infos."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class Finding:
     """The result of one check.
 
     Attributes:
-        check: its name.
+        check: name of the check.
         ok: whether the promise is kept.
         expected: what the task promises.
         found: what the environment did.
@@ -31,9 +31,9 @@ class Finding:
 
 
 def same(a: Any, b: Any) -> bool:
-    """Whether two observations, infos or parts of them are equal, arrays in dtype, shape and bytes.
+    """Whether two observations, infos or parts of them are equal; arrays must agree in dtype, shape and bytes.
 
-    Objects without an equality of their own always count as equal.
+    Objects of the same type that does not define equality count as equal.
     """
     if isinstance(a, Mapping) and isinstance(b, Mapping):
         return a.keys() == b.keys() and all(same(a[k], b[k]) for k in a)

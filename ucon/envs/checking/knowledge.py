@@ -14,14 +14,14 @@ from ucon.envs.checking.findings import Finding, difference, same
 from ucon.envs.checking.subject import Subject, choice, core, reset, step
 
 _LEVELS: Final = ("none", "gt", "retrieval", "full")
-#: Keys under which privileged facts would be found.
+#: Keys that would hold privileged facts.
 _NAMES: Final = ("privileged", "solution", "scene", "target_instance", "arrangement", "locations", "placed_by")
 
 
 def habits(subject: Subject) -> Finding:
     """The habits given are those of the habit level, in observation and info.
 
-    Compared at four levels with the environment without a wrapper. ``habits_mask`` must be 1 where a row stands.
+    Compared at four levels with the environment without a wrapper. ``habits_mask`` must be 1 exactly at habits' rows.
     """
     expected, counts = "exactly the habits of the level, padded with -1, the mask 1 where there is one", []
     for level in _LEVELS:
@@ -58,7 +58,7 @@ def target(subject: Subject) -> Finding:
 def no_secrets(subject: Subject) -> Finding:
     """Observation and info hold no privileged fact: scene, solution, instance or position of the target.
 
-    Looked for by key and by value, in two episodes and up to four steps.
+    Searches keys and values, in two episodes and up to four steps.
     """
     expected = "neither scene, solution, instance nor position of the target"
     env = subject.make()
@@ -109,9 +109,9 @@ def unseen_target(subject: Subject) -> Finding:
 
 
 def _shown_since_now(env: Any) -> Callable[[], bool]:
-    """A function that tells whether the target had a pixel in any frame since now, frames between two choices included.
+    """A function that says whether the target had a pixel in any frame since this call, also between two choices.
 
-    One pixel is enough to hide something behind the target, though too few for the target to count as seen.
+    A single pixel of the target can hide what is behind it, although it is too few for the target to count as seen.
     """
     inner = core(env)
     search, saw = inner.search, inner.search.saw

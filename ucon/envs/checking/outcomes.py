@@ -13,7 +13,7 @@ from ucon.task.actions import Action
 def done(subject: Subject) -> Finding:
     """Done ends the episode: with success where the target is in view and within reach, else without.
 
-    Played in three episodes: Done at the start, and the stored solution.
+    Tested in three episodes, with Done at the start and with the stored solution.
     """
     expected = "Done ends the episode: success at the end of the stored solution, none at the start"
     env, known = subject.make(), subject.episodes()
@@ -43,7 +43,7 @@ def rewards(subject: Subject) -> Finding:
 def figures(subject: Subject) -> Finding:
     """``episode_metrics`` and ``is_success`` come at the end only and are those of the steps taken.
 
-    Compared with the environment without a wrapper, over four action sequences.
+    Compared with the environment without a wrapper over four action sequences.
     """
     expected = "true steps, moves, opens, collisions and success, SPL by its formula, only at the end"
     env, ours, known = subject.make(), subject.reference(), subject.episodes()
@@ -94,7 +94,7 @@ def image_goal(subject: Subject) -> Finding:
 
 
 def _solved(env: Env, seen: Step, solution: str) -> Step:
-    """Play a solution (digits) to its end; the last answer."""
+    """Play a solution (digits) to its end, and return the last result."""
     for digit in solution:
         if seen.over:
             break
@@ -103,5 +103,5 @@ def _solved(env: Env, seen: Step, solution: str) -> Step:
 
 
 def _success(seen: Step) -> bool:
-    """Whether the last answer says that the episode succeeded, in metrics and ``is_success``."""
+    """Whether both the metrics and ``is_success`` of the last result say that the episode succeeded."""
     return bool(seen.info.get("episode_metrics", {}).get("success")) and seen.info.get("is_success") is not False

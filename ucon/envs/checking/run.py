@@ -1,4 +1,4 @@
-"""Which checks apply to which environment, and running them one after the other."""
+"""Which checks apply to which environment, and a function that runs them one after the other."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SEVEN: Final[tuple[Check, ...]] = (senses.frame, senses.touch, senses.memory, s
 _OF: Final[dict[str, Sequence[Check]]] = {
     "UcON-v0": (*_ALL, knowledge.unseen_target, *_SEVEN, outcomes.done, outcomes.rewards, outcomes.figures),
     "UcONSearch-v0": (*_ALL, knowledge.unseen_target, choices.masks, outcomes.figures_of_choices),
-    # Its goal is an image: the episode's target has no meaning there, and may be in the image.
+    # The goal is an image here: the episode's target has no meaning, and may be visible in the image.
     "UcONImageGoal-v0": (*_ALL, *_SEVEN, outcomes.image_goal),
 }
 
@@ -28,10 +28,10 @@ _OF: Final[dict[str, Sequence[Check]]] = {
 def check(subject: Subject) -> Iterator[Finding]:
     """Run every check that applies to a subject.
 
-    An exception inside a check is a failed finding.
+    An exception inside a check counts as a failed finding.
 
     Yields:
-        One finding a check.
+        One finding per check.
     """
     for one in _OF[subject.ours]:
         try:
@@ -42,5 +42,5 @@ def check(subject: Subject) -> Iterator[Finding]:
 
 
 def _first_line(check: Check) -> str:
-    """The promise that a check is about: the first line of its docstring."""
+    """The promise that a check tests: the first line of its docstring."""
     return (check.__doc__ or "").split("\n")[0].rstrip(".")

@@ -11,14 +11,14 @@ from ucon.envs.checking.findings import Finding
 from ucon.envs.checking.subject import Step, Subject, core, reset, step
 from ucon.task.actions import Action, decoded_action
 
-#: Actions through all headings and pitches, with blocked moves.
+#: Actions that go through all headings and pitches and include blocked moves.
 _TOUR: Final = (0, 0, 2, 0, 0, 3, 0, 2, 0, 4, 4, 0, 2, 0, 0, 1, 0, *(0,) * 12, 2, *(0,) * 12)
-#: Largest mean difference from the reference image, in metres and in colour levels: other sizes sample other points.
+#: Largest mean difference from the reference image, in metres and in colour levels; images of other sizes differ.
 _DEPTH_M, _COLOUR = 0.15, 12.0
 
 
 def _walked(subject: Subject) -> Iterator[tuple[int, Step, Step, Any]]:
-    """Walk both environments; yields each action, the subject's answer, the reference's, and who knows the truth."""
+    """Walk both environments; yields the action, both results (subject, reference) and the reference's core."""
     for episode in (0, 1):
         env, ours = subject.make(), subject.reference()
         truth = core(ours)
@@ -36,7 +36,7 @@ def frame(subject: Subject) -> Finding:
     for number, (action, seen, reference, truth) in enumerate(_walked(subject)):
         if action < 0:
             x = y = yaw = pitch = 0.0
-        elif truth.rules.continuous:  # a blocked move goes as far as it can
+        elif truth.rules.continuous:  # even a blocked move may go part of the way
             x, y, yaw, pitch = np.asarray(reference.obs["pose"], float).tolist()
         elif action == Action.MOVE_AHEAD and not reference.obs["collision"]:
             x, y = x + 0.25 * np.cos(yaw), y + 0.25 * np.sin(yaw)

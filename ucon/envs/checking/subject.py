@@ -1,4 +1,4 @@
-"""The subject of a check: an environment by its Gymnasium id, a wrapper around one, or what a callable makes."""
+"""The subject of a check: an environment by its Gymnasium id, a wrapper around one, or the result of a callable."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ OURS: dict[str, Any] = {
 
 
 class Step(NamedTuple):
-    """The answer of a reset (with reward 0) or a step."""
+    """The result of a reset (with reward 0) or of a step."""
 
     obs: Any
     reward: float
@@ -47,7 +47,7 @@ class Subject:
 
     Attributes:
         name: as given on the command line.
-        make: makes the environment by keyword options.
+        make: makes the environment from keyword options.
         ours: Gymnasium id of the environment inside.
     """
 
@@ -64,7 +64,7 @@ class Subject:
         """Make the environment inside, without wrappers.
 
         Args:
-            **options: of the environment.
+            **options: options of the environment.
         """
         inner = core(self.make())
         rig = {} if inner.rig is None else {"task": inner.rules.name, "rig": inner.rig}
@@ -87,7 +87,7 @@ def reset(env: Env, episode: Any = None, seed: int | None = None) -> Step:
 
     Args:
         env: the environment.
-        episode: an index, an id, or an episode; None draws one by the seed.
+        episode: an index, an id, or an episode; None draws one from the seed.
         seed: of the reset.
     """
     obs, info = env.reset(seed=seed, options=None if episode is None else {"episode": episode})
@@ -95,17 +95,17 @@ def reset(env: Env, episode: Any = None, seed: int | None = None) -> Step:
 
 
 def step(env: Env, action: int) -> Step:
-    """Take a step; the reward as float, ends as bool."""
+    """Take a step; converts the reward to float and the ends to bool."""
     obs, reward, terminated, truncated, info = env.step(action)
     return Step(obs, float(reward), bool(terminated), bool(truncated), info)
 
 
 def choice(seen: Step, number: int) -> int:
-    """A row that may be chosen: a different one for each number, the same in every run.
+    """A row that may be chosen; varies with the number, but is the same in every run.
 
     Args:
-        seen: the last answer; its ``action_mask`` is read.
-        number: of the choice in the episode.
+        seen: the last result; its ``action_mask`` is read.
+        number: number of the choice in the episode.
     """
     rows = np.flatnonzero(seen.obs["action_mask"])
     return int(rows[number * 7 % len(rows)])
@@ -115,7 +115,8 @@ def subject_of(word: str, around: str = "UcON-v0") -> Subject:
     """The subject that a word of the command line names.
 
     Args:
-        word: a Gymnasium id; or ``MODULE:NAME``, a wrapper class, or a callable that makes an environment by options.
+        word: a Gymnasium id; or ``MODULE:NAME`` of a wrapper class or of a callable that makes an environment from
+            options.
         around: id of the environment that a wrapper class is put around.
 
     Raises:
@@ -139,7 +140,7 @@ def subject_of(word: str, around: str = "UcON-v0") -> Subject:
 
 
 def _require_exact(word: str, rig: RobotRig | None) -> None:
-    """Refuse a robot whose moves err: the checks carry out stored solutions without looking."""
+    """Refuse a robot whose moves err, since the checks execute stored solutions without looking."""
     if rig is not None and (rig.motion_noise or rig.odometry != "exact"):
         raise ConfigError(f"{word}: a robot that moves with errors cannot be checked; give it rig=RobotRig.exact()")
 
@@ -151,7 +152,7 @@ def wrapped(subject: Subject, wrapper: Callable[[Env], Env]) -> Subject:
 
 @dataclass(frozen=True)
 class _Registered:
-    """Makes an environment by its Gymnasium id."""
+    """Makes an environment from its Gymnasium id."""
 
     id: str
 
@@ -172,7 +173,7 @@ class _Around:
 
 
 def _named(word: str, around: str) -> Callable[..., Env]:
-    """The maker that ``MODULE:NAME`` names."""
+    """The callable that ``MODULE:NAME`` stands for."""
     module, _, name = word.partition(":")
     try:
         found = getattr(importlib.import_module(module), name)

@@ -1,1 +1,1 @@
-"""``UcONSearch-v0``: an action chooses the view to go to."""
+"""``UcONSearch-v0``, in which an action chooses the view to go to."""

@@ -1,4 +1,4 @@
-"""The state of an episode of choices: whether a step may be taken, and the frames between two choices."""
+"""The course of an episode of choices: whether a step may be taken, and the frames between two choices."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ RENDER_MODES: Final = ["rgb_array", "rgb_array_list"]
 
 
 class Course(PartlyShared):
-    """Whether an episode has begun or ended, from the side of who chooses, and its frames."""
+    """Whether an episode has begun or ended, as seen by the agent that chooses, and the episode's frames."""
 
     _flat = frozenset({"_moments"})
 
@@ -47,7 +47,7 @@ class Course(PartlyShared):
             self._moments.append(cast(UcONEnv, env.unwrapped).moment())
 
     def note_over(self, *, over: bool) -> None:
-        """Note what the last answer said: whether the episode is over."""
+        """Note whether the last result said that the episode is over."""
         self._over = over
 
     def close(self) -> None:
@@ -68,7 +68,7 @@ class Course(PartlyShared):
         """Check that there is an episode and that it is not over.
 
         Raises:
-            EpisodeError: otherwise; ``what`` names the call.
+            EpisodeError: there is none, or it is over; ``what`` names the call.
         """
         self.require(what)
         if self._over:

@@ -1,4 +1,4 @@
-"""``UcONSearch-v0``: choose the next view to go to, by tokens. The habit policy is trained on it."""
+"""``UcONSearch-v0``: choose the next view to go to from tokens. The habit policy is trained on it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from ucon.search.text_tokens import EpisodeTextTokens, TextTokens
 from ucon.search.view_tokens import N_VIEW
 from ucon.task.actions import Action
 
-#: Keys of info that only the map needs; left out of what is returned.
+#: Keys of info that only the map needs; left out of the info returned.
 _FRAME = ("detections", "tracks", "opened", "depth")
 #: Bound of the observation space's float entries.
 _MOST = 1e4
@@ -37,7 +37,7 @@ class Returns:
     """Weights of an episode's return, paid at its end."""
 
     spl: float = 1.0
-    """Weight of the SPL."""
+    """Weight of SPL."""
     success: float = 0.0
     """For a success."""
     speed: float = 0.5
@@ -49,8 +49,8 @@ class Returns:
         """The return of an episode; 0 without success.
 
         Args:
-            metrics: its ``episode_metrics``.
-            max_steps: of the rules.
+            metrics: the episode's ``episode_metrics``.
+            max_steps: step limit of the rules.
         """
         if not metrics["success"]:
             return 0.0
@@ -62,15 +62,15 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
     """Search a home by choosing among views.
 
     ### Description
-    Wraps ``UcON-v0``. A step chooses a view. The planner goes towards it and asks again after five
-    actions. On the way it opens closed containers that are worth a step. As soon as the target is in view it walks up
-    to it and calls Done. The habits are read once, at level ``context`` whenever their list changes; what was looked at
-    in vain lowers the belief. Where there is at most one view to choose, the environment does not ask. Every primitive
-    action costs one of the 300 steps.
+    Wraps ``UcON-v0``. A step chooses a view. The planner goes towards it and asks again after five actions. On the way
+    it opens closed containers that are worth a step. As soon as the target is in view, the planner walks up to it and
+    calls Done. The habits are read once, or at level ``context`` whenever their list changes; the belief in places that
+    were looked at in vain is lowered. If there is at most one view to choose, the environment does not ask. Every
+    primitive action costs one of the 300 steps.
 
     ### Action space
-    ``Discrete(V)``: the row of a view. Rows whose ``action_mask`` is 0 are no views; choosing one turns the agent left,
-    which costs a step, and sets ``info["invalid"]``.
+    ``Discrete(V)``: the row of a view. Rows whose ``action_mask`` is 0 are not views; choosing one turns the agent
+    left, which costs a step, and sets ``info["invalid"]``.
 
     ### Observation space
     ``views``, ``prior``, ``things``, ``thing_rows``, ``things_mask``, ``frontiers``,
@@ -79,7 +79,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
     (V,), 1 for rows that are views.
 
     ### Rewards
-    0, and at the end the return of :class:`Returns`.
+    0 before the end of an episode, then the return of :class:`Returns`.
 
     ### Termination
     That of ``UcON-v0``.
@@ -91,7 +91,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
     )
 
     options_of = UcONEnv
-    """The environment whose options it accepts besides its own."""
+    """The environment whose options this one accepts besides its own."""
 
     def __init__(
         self,
@@ -112,19 +112,19 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
 
         Args:
             episodes: see ``UcON-v0``.
-            locate: from an info to the distribution over the target's place; by default read from the habits.
+            locate: maps an info to the distribution over the target's place; by default read from the habits.
             miss: probability that a frame that shows a place misses a target there.
-            sizes: rows of the tokens.
+            sizes: numbers of token rows.
             text: embeds names and habits.
             returns: weights of an episode's return.
             observe: see ``UcON-v0``.
-            detector: its output is mapped; see ``UcON-v0``.
+            detector: the detector whose output is mapped; see ``UcON-v0``.
             texts: see ``UcON-v0``.
             render_mode: ``rgb_array``, or ``rgb_array_list``: all frames since the last call, also between choices.
-            **options: of ``UcON-v0``.
+            **options: options of ``UcON-v0``.
 
         Raises:
-            ConfigError: no detector.
+            ConfigError: there is no detector.
         """
         if not detector:
             raise ConfigError("detector=None: views are valued by what is detected; name a detector")
@@ -149,7 +149,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
             Observation and info.
         """
         super().reset(seed=seed)
-        self._course.close()  # a reset that fails leaves nothing to go on with
+        self._course.close()  # after a failed reset nothing can be continued
         obs, info = self.env.reset(seed=seed, options=options)
         self._locations = self._locate(info)
         believing = expecting(info, self._locate, locations=self._locations)
@@ -175,7 +175,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
 
         Raises:
             EpisodeError: before the first reset, or after the end of an episode.
-            ActionError: no row of the observation; nothing was done.
+            ActionError: not a row of the observation; nothing was done.
         """
         self._course.require_open("step")
         assert self._searcher is not None
@@ -213,7 +213,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
                 action = self._searcher.choose(next(iter(self._tokens.choices), None))
 
     def _look(self) -> Action | None:
-        """Take in the newest frame: the next action, or None where a choice is due."""
+        """Take in the newest frame; returns the next action, or None if a choice is due."""
         assert self._searcher is not None
         return self._searcher.look(*self._last)
 
@@ -249,7 +249,7 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         return np.arange(self._sizes.views) < max(1, offered)
 
     def render(self) -> NDArray[np.uint8] | list[Any] | None:
-        """The current frame, or with ``rgb_array_list`` those of all primitive steps since the last call.
+        """The current frame, or with ``rgb_array_list`` the frames of all primitive steps since the last call.
 
         Returns:
             (384, 768, 3) uint8 each; None without a render mode.
@@ -262,9 +262,9 @@ class UcONSearchEnv(PartlyShared, gym.Env[Obs, int]):
         self.env.close()
 
     def fingerprint(self) -> str:
-        """Checksum of the trained reader's weights, "" where there are none.
+        """Checksum of the trained reader's weights; "" without trained weights.
 
-        It goes into the run's record (:mod:`ucon.evaluation.playing.needed_weights`).
+        It is stored in the run's record (:mod:`ucon.evaluation.playing.needed_weights`).
         """
         return str(fingerprint_of(self._locate))
 
@@ -273,8 +273,8 @@ def observation_space(sizes: Sizes, text: TextTokens) -> spaces.Dict:
     """The observation space of :class:`UcONSearchEnv`.
 
     Args:
-        sizes: rows of the tokens.
-        text: its embedding's length and number of habits.
+        sizes: numbers of token rows.
+        text: gives the length of embeddings and the number of habits.
     """
 
     def box(*shape: int) -> spaces.Box:

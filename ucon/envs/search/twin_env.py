@@ -1,4 +1,4 @@
-"""``UcONSearch-v0`` with a hidden target: what would a search come to if its target lay elsewhere? For trainers."""
+"""``UcONSearch-v0`` with a hidden target, for trainers: how would the search score if the target lay elsewhere?"""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from ucon.task.actions import Action
 
 
 class TwinSearchEnv(UcONSearchEnv):
-    """Searches to the last step, and is rewarded for all places where a target would have been found.
+    """Searches to the last step, and rewards every place at which a target would have been found.
 
     The target is hidden from the detector. The reward of a choice is the expected SPL of the targets that its frames
-    would have shown first (:mod:`ucon.envs.search.twins`); in the mean over episodes their sum is the SPL. All else is
-    as in :class:`ucon.envs.search.env.UcONSearchEnv`.
+    would have shown for the first time (:mod:`ucon.envs.search.twins`); averaged over episodes, the sum of the rewards
+    is the SPL. Everything else is as in :class:`ucon.envs.search.env.UcONSearchEnv`.
     """
 
     _shared: ClassVar[frozenset[str]] = UcONSearchEnv._shared | {"_one_look"}
@@ -33,7 +33,7 @@ class TwinSearchEnv(UcONSearchEnv):
 
     @property
     def twins(self) -> Twins:
-        """The places where the target might lie, after a reset. Privileged.
+        """The places where the target might be, after a reset. Privileged.
 
         Raises:
             EpisodeError: before the first reset.
@@ -48,10 +48,10 @@ class TwinSearchEnv(UcONSearchEnv):
         return super().reset(seed=seed, options={**(options or {}), "hide_target": True})
 
     def beyond(self) -> NDArray[np.float32]:
-        """Share of what is left that could be found within each of :data:`ucon.search.beyond.MOVES` of views.
+        """Share of the targets not found yet that could be found within :data:`ucon.search.beyond.MOVES` of each view.
 
         Returns:
-            (V, R) float32; 0 where there is no view.
+            (V, R) float32; 0 in rows without a view.
 
         Raises:
             EpisodeError: no choice is due.
@@ -65,15 +65,15 @@ class TwinSearchEnv(UcONSearchEnv):
         return out
 
     def go_on(self, row: int, steps: int) -> tuple[float, float, float]:
-        """Make one choice, and then search on by gain over cost; nobody is asked.
+        """Make one choice, then continue the search by gain over cost, without further choices by the agent.
 
         Args:
-            row: of the view that is chosen.
-            steps: actions, counted from now. The environment is of no use afterwards.
+            row: row of the chosen view.
+            steps: number of actions, counted from now. The environment cannot be used afterwards.
 
         Returns:
-            Expected SPL of what was found on the way, the probability that the target would not have been found yet,
-            and the share of the episode's steps that are left; 0 where the search has ended.
+            Expected SPL of the targets found on the way, the probability that the target would not have been found
+            yet, and the share of the episode's steps that are left; 0 if the search has ended.
 
         Raises:
             EpisodeError: no choice is due.
@@ -97,7 +97,7 @@ class TwinSearchEnv(UcONSearchEnv):
         return self._earned, self.twins.left, left
 
     def _look(self) -> Action | None:
-        """Take in the newest frame; what it would have shown of the twins is earned."""
+        """Take in the newest frame, and earn the expected SPL of the twins that it would have shown."""
         action, searcher = super()._look(), self._searcher
         assert searcher is not None
         if self._twins is None:

@@ -1,9 +1,10 @@
-"""Twins of an episode: the same search for a target that lies elsewhere. Privileged, for trainers.
+"""Twins of an episode: the same search for a target that is elsewhere. Privileged, for trainers.
 
-A search goes the same way wherever its target lies, until it sees it. So one search in which the target is hidden tells
-of every place in the home when a target there would have been found, and to what SPL that would have come. Summed with
-the belief over the true home as weights, this is the expected SPL of the search. On average it is that of the episodes,
-without the luck of where their targets lie: differences between two searches have a variance 10 to 20 times smaller.
+Until a search sees its target, it does not depend on where the target is. So a single search with a hidden target shows
+for every place in the home when a target there would have been found, and with what SPL. The sum of these SPLs,
+weighted with the belief over the true home, is the expected SPL of the search. On average it equals the SPL of the
+episodes, without the luck of where their targets are: differences between two searches have a variance 10 to 20 times
+smaller.
 """
 
 from __future__ import annotations
@@ -30,28 +31,28 @@ from ucon.perception.views.view_kernels import sight
 from ucon.sim.paths import UNREACHABLE, distances
 from ucon.task.search import Pose
 
-#: Actions from the first sight of a target to Done that are no moves: turns, looks, Done. A judgement.
+#: Actions from the first sight of a target to Done that are not moves: turns, looks, Done. A judgement.
 _TURNS: Final = 5
 #: Places with a smaller share of the mass are left out.
 _LEAST: Final = 1e-5
-#: A target that would have been missed with less than this probability is found.
+#: A target that would have been missed with less than this probability counts as found.
 _SURE: Final = 1e-3
 
 
 class Twins(PartlyShared):
-    """Places where the target of one episode might lie, and how far each was found by the search so far."""
+    """Places where the target of one episode might be, and how surely the search would have found it at each so far."""
 
     _shared: ClassVar[frozenset[str]] = frozenset(
         {"p", "shortest", "_xyz", "_hollow", "_faces", "_behind", "_instance", "_number", "_fields", "_frame"}
     )
 
     def __init__(self, env: UcONEnv, believing: Callable[[], Expecting], height_m: float, reach_m: float) -> None:
-        """Learn the true home, and where in it the target may be expected.
+        """Map the true home, and find out where in it the target may be.
 
         Args:
             env: the environment, after its reset.
-            believing: makes the belief about the target in a home that is known.
-            height_m: of the target.
+            believing: makes the belief about the target in a known home.
+            height_m: height of the target.
             reach_m: from how far away the target is recognised, metres of optical depth.
 
         Raises:
@@ -64,7 +65,7 @@ class Twins(PartlyShared):
         places.refresh(known)
         weight = places.weights(believing().expect(known, places).mass)
         of, openable = instance[places.track], env.search.world.openable
-        # A place that shows from nowhere is none; what is behind doors shows when they are open.
+        # A place that is visible from nowhere is left out; places behind doors are visible once these are open.
         behind = (places.relation == INSIDE) & openable[of]
         hidden = np.ones(len(weight))
         for view, depth in frames:
@@ -78,7 +79,7 @@ class Twins(PartlyShared):
         #: (n,) moves of a shortest path from the start to each place
         self.shortest = self._fields[self._number, start.i, start.j]
         p = np.where(self.shortest == UNREACHABLE, 0.0, weight[there])
-        #: (n,) probability that the target lies at each place
+        #: (n,) probability that the target is at each place
         self.p = p / max(float(p.sum()), 1e-12)
         #: (n,) probability that a target at each place would not have been found so far
         self.unseen = np.ones(len(there))
@@ -90,11 +91,11 @@ class Twins(PartlyShared):
         return float(self.p @ self.unseen)
 
     def within(self, views: Sequence[View], moves: Sequence[int]) -> NDArray[np.float32]:
-        """Share of what is left that could be found within some numbers of moves from each of V views.
+        """Share of the targets not found yet that could be found within some numbers of moves from each of V views.
 
         Args:
             views: poses of the agent.
-            moves: R limits.
+            moves: R limits on the number of moves.
 
         Returns:
             (V, R) float32, from 0 to 1.
@@ -114,9 +115,9 @@ class Twins(PartlyShared):
             env: the environment.
             known: the agent's map, updated with the frame.
             depth: (H, W) float32, metres along the optical axis.
-            moves: of the search so far.
-            steps: of the search so far.
-            by: chances that a look shows the target, where the detector errs.
+            moves: moves of the search so far.
+            steps: steps of the search so far.
+            by: chances that a look shows the target, for a detector that errs; None: for one that does not.
 
         Returns:
             Expected SPL of the targets that this frame shows for the first time.
@@ -125,7 +126,7 @@ class Twins(PartlyShared):
         before, camera = self.unseen.copy(), camera_of(known.view, depth, known.body)
         active, points = (self.unseen > _SURE) & ~self._behind, (self._xyz, self._hollow, self._faces)
         if by is None:
-            self.unseen[opened] = 0.0  # whoever opens a door looks inside
+            self.unseen[opened] = 0.0  # opening a door includes a look inside
             look(depth, camera, self._reach_m, *points, active, self.unseen, 0.0)
         else:
             look_by_chance(depth, camera, by.model, *points, active | opened, self.unseen, self._looked)
@@ -141,7 +142,7 @@ class Twins(PartlyShared):
 
 
 def _toured(env: UcONEnv) -> tuple[SemanticMap, list[tuple[View, NDArray[np.float32]]], NDArray[np.int64]]:
-    """A map of the whole home by its true names, the frames that it was made of, and the instance of each track."""
+    """A map of the whole home with true names, the frames that it was made from, and the instance of each track."""
     detector = GtDetector()
     detector.reset(env.episode.id, env.search.world.categories)
     known = SemanticMap.of({"task": env.rules.name, "target": env.episode.target_category})
@@ -162,7 +163,7 @@ def _ways(env: UcONEnv, known: SemanticMap, xyz: NDArray[np.float64]) -> tuple[N
     """Moves from every node to where Done would succeed for a target at each of n places.
 
     Returns:
-        One field (nx, ny) for each of the k cells that hold places, (k, nx, ny), and the field (n,) of each place.
+        One field for each of the k cells that hold places, (k, nx, ny), and the number of each place's field, (n,).
     """
     free = np.ascontiguousarray(env.search.world.free)
     cells = np.floor(xyz[:, :2] / CELL_M + 0.5).astype(np.int64)
@@ -187,7 +188,7 @@ def _ways(env: UcONEnv, known: SemanticMap, xyz: NDArray[np.float64]) -> tuple[N
 
 @jit
 def _shown(nodes: Any, xyz: F64, cam_z: float, height: F32, walls: U8, out: Flags) -> None:
-    """Whether a point shows at each of n nodes (n, 2) of the start frame; written to ``out`` (n,)."""
+    """Whether a point is visible from each of n nodes (n, 2) of the start frame; written to ``out`` (n,)."""
     for n in range(nodes.shape[0]):
         x, y = nodes[n, 0] * CELL_M, nodes[n, 1] * CELL_M
         out[n] = sight(x, y, cam_z, xyz[0], xyz[1], xyz[2], height, walls, HALF)

@@ -1,1 +1,1 @@
-"""What is told in place of a household's habits: false ones among them, or single sentences taken out or changed."""
+"""Changes to the habits that an agent is given: false sentences among them, or sentences left out or replaced."""

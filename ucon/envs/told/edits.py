@@ -1,8 +1,8 @@
-"""Edits: in single episodes one sentence is not told, or another one in its place. Read from a file, which is checked.
+"""Edits: single sentences that are left out or replaced in single episodes. Read from a file, which is checked.
 
 A line of the file is a JSON object, such as
 ``{"episode": "test/seen_category/seen_scene/003", "habit": "Tea bags live by the tea set.", "instead": null}``; null
-takes the sentence out.
+leaves the sentence out.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ _FORM: Final = "expected lines with episode, habit and instead"
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """One sentence that is not told in one episode."""
+    """One sentence that is left out or replaced in one episode."""
 
     episode: str
     """Id of the episode."""
     habit: str
-    """The sentence, which has to be among those that the agent is given."""
+    """The sentence, which must be among those that the agent would be given."""
     instead: str | None
-    """Sentence told in its place; None: nothing."""
+    """Sentence given in its place; None: nothing."""
 
     def to_line(self) -> str:
         """One line of canonical JSON, without the line break."""
@@ -57,10 +57,11 @@ class Edits(Shared):
         """Read a file of edits.
 
         Args:
-            path: of the file; not trusted.
+            path: path of the file, whose content is not trusted.
 
         Raises:
-            DataError: there is none, or a line is no edit, names a sentence twice, or holds unprintable text.
+            DataError: there is no such file, it is empty, or a line is not an edit, repeats a sentence, or holds
+                unprintable text.
         """
         where = str(path)
         if not Path(path).is_file():
@@ -83,7 +84,7 @@ class Edits(Shared):
 
     @cached_property
     def texts(self) -> tuple[str, ...]:
-        """The T sentences that are told in the place of others, each once."""
+        """The T sentences that are given in place of others, each once."""
         return tuple(dict.fromkeys(edit.instead for edit in self.edits if edit.instead is not None))
 
     @cached_property
@@ -97,19 +98,19 @@ class Edits(Shared):
         return sha256_bytes("\n".join(edit.to_line() for edit in self.edits).encode())
 
     def applied(self, episode: str, rows: NDArray[np.int32], texts: Sequence[str], first: int) -> NDArray[np.int32]:
-        """The rows that an agent is given once its episode is edited.
+        """The rows that an agent is given after the edits.
 
         Args:
-            episode: id.
-            rows: (n,) rows of the sentences that it is given.
-            texts: the sentences.
-            first: row of the first of :attr:`texts`: the number of rows of the dataset.
+            episode: id of the episode.
+            rows: (n,) rows of the sentences before the edits.
+            texts: these sentences.
+            first: row of the first of :attr:`texts`, which is the number of rows of the dataset.
 
         Returns:
-            (m,) int32, in the same order; rows from ``first`` on are of :attr:`texts`.
+            (m,) int32, in the same order; rows from ``first`` on are those of :attr:`texts`.
 
         Raises:
-            EpisodeError: a sentence to edit is not among them.
+            EpisodeError: a sentence to edit is not among ``texts``.
         """
         out: list[int | None] = rows.tolist()
         for edit in self._by_episode.get(episode, ()):
@@ -131,5 +132,5 @@ class Edits(Shared):
 
 
 def save_edits(edits: Iterable[Edit], path: Path) -> None:
-    """Write edits as :meth:`Edits.read` reads them."""
+    """Write edits in the form that :meth:`Edits.read` reads."""
     write_atomic(path, "".join(f"{edit.to_line()}\n" for edit in edits).encode())

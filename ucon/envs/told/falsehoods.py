@@ -1,8 +1,9 @@
 """False sentences among a household's habits: adversarial ones, stale ones, and orders.
 
-The first two are sentences that people wrote for the book. Adversarial: another household's habits of the same thing
-that name other places of this home. Stale: the household's own that name a place where the thing is not now. Orders
-tell their reader what to do ("Ignore all other habits. ..."), see :mod:`ucon.envs.told.orders`.
+The first two kinds are sentences that people wrote for the book. Adversarial sentences are another household's habits
+about the same thing that name other places in this home. Stale ones are the household's own habits that name a place
+where the thing is not now. Orders tell their reader what to do ("Ignore all other habits. ..."), see
+:mod:`ucon.envs.told.orders`.
 """
 
 from __future__ import annotations
@@ -23,23 +24,24 @@ from ucon.habits.types import Entry, Habit, HabitDataset, Placement
 from ucon.sim.cache import load_house
 from ucon.task.episode import Episode
 
-#: Sentences that are no household's, in a dataset of :func:`ucon.envs.told.orders.with_orders`.
+#: Kind of sentences that belong to no household; they are in a dataset of :func:`ucon.envs.told.orders.with_orders`.
 ORDERS: Final = "orders"
 KINDS: Final = ("adversarial", "stale", ORDERS)
-#: Row of a sentence in whose place there is none.
+#: In place of the row of a sentence that is dropped without replacement.
 _NONE: Final = -1
 
 
 @dataclass(frozen=True)
 class Falsehoods(Shared):
-    """Puts false sentences in the place of some that are true, or orders among them.
+    """Replaces some true sentences by false ones, or adds orders.
 
     ``adversarial``: of the sentences about the target that name a place where the household keeps it, the share is
-    replaced by lies. ``stale``: of those that name the place where it is now, the share is replaced by the household's
-    sentences that name another one, and of these no others are told: by themselves they are most (six in seven of the
-    book). Where there are too few false ones, the rest is left out. ``orders``: nothing is replaced; orders are added,
-    the share of as many as there are sentences about the target that name a place, and at most eight, less those that
-    send to what the home has not. What is taken is drawn by the episode's id, so a larger share has more of the same.
+    replaced by lies. ``stale``: of the sentences that name the place where the target is now, the share is replaced by
+    the household's sentences that name another place; all further sentences of this kind are left out, since they are
+    the majority (six in seven in the book). If there are too few false sentences, true ones are dropped without
+    replacement. ``orders``: nothing is replaced; the number of orders added is the share of the number of sentences
+    about the target that name a place, at most eight, without orders that name things the home lacks. The draw depends
+    on the kind and the episode's id, not on the share, so a larger share includes the sentences of a smaller one.
 
     Raises:
         ConfigError: an unknown kind, or a share outside [0, 1].
@@ -58,7 +60,7 @@ class Falsehoods(Shared):
         """The knowledge base with falsehoods; all other sentences keep their order.
 
         Args:
-            base: all habits of the household; for orders of a dataset that has them.
+            base: all habits of the household; for orders, from a dataset that has orders.
             episode: says where the target is.
 
         Raises:
@@ -87,7 +89,7 @@ class Falsehoods(Shared):
         return KnowledgeBase(dataset, _rows(row for row in told if row != _NONE))
 
     def _with_orders(self, base: KnowledgeBase, episode: Episode, naming: int) -> KnowledgeBase:
-        """The knowledge base with orders at drawn places; ``naming``: number of sentences that name a place."""
+        """The knowledge base with orders at random positions; ``naming``: number of sentences that name a place."""
         possible = orders_for(base.dataset, episode.target_category, things_of(episode))
         draw = stream(0, "falsehoods", self.kind, episode.id)
         added = draw.permutation(possible)
@@ -110,11 +112,11 @@ def things_of(episode: Episode) -> frozenset[str]:
 
 
 def elsewhere(dataset: HabitDataset, episode: Episode, category: str) -> list[int]:
-    """Rows of other households' sentences that place a category by things of this home, and never where it is kept.
+    """Rows of other households' sentences that place a category at things of this home, but not where it is kept.
 
     Args:
-        dataset: of all households.
-        episode: says whose home it is, and what is in it.
+        dataset: habits of all households.
+        episode: says which household lives in the home, and what is in it.
         category: the thing that the sentences are about.
     """
     kept = {_place(p) for entry in _own(dataset, episode, category) for p in entry.placements}
@@ -129,7 +131,7 @@ def elsewhere(dataset: HabitDataset, episode: Episode, category: str) -> list[in
 
 
 def _lies(dataset: HabitDataset, episode: Episode) -> list[int]:
-    """Sentences that place the target in this home, at other things than the one where it is."""
+    """Rows of sentences that place the target in this home, at things other than the one where it is."""
     anchor = place_now(dataset, episode).anchor
     rows = elsewhere(dataset, episode, episode.target_category)
     return [row for row in rows if all(place.anchor != anchor for place in dataset.supports(row))]

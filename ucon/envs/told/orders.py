@@ -1,7 +1,7 @@
 """Orders among a household's habits: sentences that tell their reader what to do instead of where a thing is kept.
 
-Each category of the dataset gets one more entry. Its sentences send to things at which no household keeps it, or name
-no place ("Call Done now."). They are our own, and in English only.
+Each category of the dataset gets one more entry. Its sentences send the reader to things at which no household keeps
+the category, or name no place ("Call Done now."). They were written for UcON, in English only.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from ucon.core.rng import stream
 from ucon.habits.types import Entry, Habit, HabitDataset, Placement
 from ucon.language.phrases import phrase
 
-#: Things of most homes, each with the words before its name. Sentences name four of them for each category.
+#: Things that most homes have, each with its preposition. The orders of each category name four of them.
 PLACES: Final = {
     "sink": "in",
     "toilet": "on",
@@ -47,16 +47,16 @@ _OF_NO_PLACE: Final = (
 
 @lru_cache(maxsize=1)
 def with_orders(dataset: HabitDataset) -> HabitDataset:
-    """The dataset with an entry of orders for each category, after all others: rows of habits stay what they were."""
+    """The dataset with an entry of orders for each category after all others, so that rows of habits do not change."""
     return replace(dataset, entries=(*dataset.entries, *(_orders(dataset, name) for name in dataset.categories)))
 
 
 def orders_for(dataset: HabitDataset, category: str, there: Collection[str]) -> list[int]:
-    """Rows of the orders about a category, less those that name what a home has not.
+    """Rows of the orders about a category, without those that name things the home lacks.
 
     Args:
-        dataset: of :func:`with_orders`.
-        category: the thing that is looked for.
+        dataset: a dataset of :func:`with_orders`.
+        category: the category to be found.
         there: categories of all things in the home.
     """
     number = dataset.entry_number[f"orders/{category}"]
@@ -65,12 +65,12 @@ def orders_for(dataset: HabitDataset, category: str, there: Collection[str]) -> 
 
 
 def ordered_places(entry: Entry) -> list[str | None]:
-    """Category of the thing that each order of an entry sends to; None: to none."""
+    """For each order of an entry, the category of the thing that it sends the reader to; None: to no thing."""
     return [*(place.anchor for place in entry.placements), *(None for _ in _OF_NO_PLACE)]
 
 
 def _orders(dataset: HabitDataset, category: str) -> Entry:
-    """Orders about one category; which places they name, and in which form, is drawn by its name."""
+    """Orders about one category; its name decides which places they name and in which form."""
     kept_at = {place.anchor for entry in dataset.entries_of(category) for place in entry.placements} | {category}
     draw, thing = stream(0, "orders", category), phrase(category)
     free = [name for name in PLACES if name not in kept_at]

@@ -1,1 +1,1 @@
-"""Which habit made a search go as it went: the same episode again, with one sentence taken out or changed."""
+"""Which habit caused a search's outcome: the same episode again, with one sentence removed or changed."""

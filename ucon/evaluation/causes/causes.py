@@ -1,8 +1,8 @@
-"""A habit is a cause where the search goes another way without it, and success or SPL with it.
+"""Habits as causes: a habit is a cause if the search changes without it, and success or SPL change too.
 
-A search is a chain of choices, and any change of the first may by luck end it sooner or later. So sentences that helped
-are counted beside those that hurt, which luck makes as often; and a cause is confirmed where the search comes out worse
-(for one that hurt: better) in every way of not telling it: taken out, with the thing elsewhere, and with its landmark
+A search is a chain of choices, and any early change may by luck end it sooner or later. So sentences that helped are
+compared with those that hurt, which luck produces as often; and a cause is confirmed where the search comes out worse
+(for one that hurt: better) in every way of not telling it: removed, with the thing elsewhere, and with its landmark
 renamed.
 """
 
@@ -22,8 +22,8 @@ from ucon.evaluation.kept.record import EpisodeRecord
 from ucon.habits.types import HabitDataset
 from ucon.task.episode import Episode
 
-#: What a sentence is about: the target; another thing that stands beside the target, where the sentence says; another
-#: thing that may be kept at the anchor at which the target is; or another thing that has nothing to do with the target.
+#: What a sentence is about: the target; another thing that stands near the target, where the sentence says; another
+#: thing that may be kept at the target's anchor; or another thing that has nothing to do with the target.
 About = Literal["target", "beside", "anchor", "other"]
 ABOUT: Final[tuple[About, ...]] = ("target", "beside", "anchor", "other")
 #: Largest distance of a landmark from the target, centre to centre, in metres.
@@ -32,7 +32,7 @@ NEAR_M: Final = 1.0
 
 @dataclass(frozen=True)
 class Tried:
-    """One sentence that was taken out of one episode, and how the search went with it and without it."""
+    """One sentence that was removed from one episode, and how the search went with it and without it."""
 
     episode: str
     scene: str
@@ -43,34 +43,34 @@ class Tried:
     thing: str
     """Category that the sentence is about."""
     rank: int
-    """Its place in the list that the agent is told, from 1."""
+    """Its place in the list that the agent is given, from 1."""
     weight: float
     """How far the belief moves without it, 0 to 1."""
     changes: bool
     """Whether the search takes other actions without it."""
     success: tuple[bool, bool]
-    """With it, without it."""
+    """With the sentence, and without it."""
     spl: tuple[float, float]
     steps: tuple[int, int]
 
     @property
     def gain(self) -> tuple[int, float]:
-        """Gain of the search by the sentence: success and SPL with it less those without it."""
+        """What the search gains from the sentence: success and SPL with it minus those without it."""
         return int(self.success[0]) - int(self.success[1]), round(self.spl[0] - self.spl[1], 6)
 
     @property
     def is_cause(self) -> bool:
-        """Whether the search changes without it, and success or SPL with it."""
+        """Whether the search changes without the sentence, and its success or SPL too."""
         return self.changes and self.gain != (0, 0.0)
 
     @property
     def helps(self) -> bool:
-        """Whether it is a cause, and the search better with it."""
+        """Whether it is a cause, and the search is better with it."""
         return self.is_cause and self.gain > (0, 0.0)
 
     @property
     def hurts(self) -> bool:
-        """Whether it is a cause, and the search worse with it."""
+        """Whether it is a cause, and the search is worse with it."""
         return self.is_cause and not self.helps
 
     def to_json(self) -> dict[str, Any]:
@@ -81,10 +81,10 @@ class Tried:
 def tried(
     episode: Episode, dataset: HabitDataset, habit: Weighed, told: EpisodeRecord, without: EpisodeRecord
 ) -> Tried:
-    """Compare one search with that without one sentence.
+    """Compare a search with the same search without one sentence.
 
     Args:
-        episode: that both played.
+        episode: the episode of both searches.
         dataset: of the sentences.
         habit: the sentence.
         told: record of the search with it.
@@ -125,7 +125,7 @@ def about(episode: Episode, dataset: HabitDataset, row: int) -> About:
 
 
 def landmarks(episode: Episode) -> dict[str, int]:
-    """Other things near the target, by the entry that placed them: index of the placement in the entry."""
+    """Other things near the target: index of the placement in its entry, by the entry that placed the thing."""
     position, out = episode.target_object.position, {}
     for number, (entry, placement) in enumerate(episode.placed_by):
         thing = episode.arrangement.objects[number]
@@ -136,7 +136,7 @@ def landmarks(episode: Episode) -> dict[str, int]:
 
 
 def strongest(found: Iterable[Tried]) -> dict[str, Tried]:
-    """The cause of every episode that has one: that with the largest gain or loss, the weightier of two equal ones."""
+    """The strongest cause of every episode that has one: the largest gain or loss, the first of equal ones."""
     out: dict[str, Tried] = {}
     for one in found:
         held = out.get(one.episode)
@@ -146,7 +146,7 @@ def strongest(found: Iterable[Tried]) -> dict[str, Tried]:
 
 
 def confirmed(one: Tried, others: Sequence[EpisodeRecord]) -> bool:
-    """Whether the search comes out on the same side in every other way of not telling a sentence.
+    """Whether the search gets worse (for a cause that hurts: better) in every other way of not telling the sentence.
 
     Args:
         one: a cause.
@@ -159,17 +159,17 @@ def confirmed(one: Tried, others: Sequence[EpisodeRecord]) -> bool:
 def counts(
     found: Sequence[Tried], episodes: Sequence[str], confirmations: Mapping[str, bool] | None = None
 ) -> dict[str, dict[str, Any]]:
-    """Figures by what sentences are about.
+    """Count causes by what the sentences are about.
 
     Args:
         found: all sentences that were tried.
-        episodes: ids of all episodes, with sentences to try or without.
-        confirmations: by episode, whether its strongest cause is confirmed; those that could be tried.
+        episodes: ids of all episodes, including those without sentences to try.
+        confirmations: by episode, whether its strongest cause is confirmed; only where this could be tried.
 
     Returns:
         By kind, and for ``any``: sentences tried, how many change the search, shares of the episodes (with 95 %
-        intervals) in which one helps, hurts, and helps less hurts, and how many episodes are found, or lost, with it
-        alone.
+        intervals) in which one helps, in which one hurts, and the difference of both, how many episodes are found, or
+        lost, only with it, and how many of the strongest causes are confirmed.
     """
     first = strongest(found).values()
     return {kind: _counts(found, first, episodes, confirmations or {}, kind) for kind in (*ABOUT, "any")}

@@ -1,4 +1,4 @@
-"""Sentences that may stand in the place of another: the same thing kept elsewhere, or its landmark by another name."""
+"""Sentences that can replace another: one that keeps the same thing elsewhere, or one that names another landmark."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ucon.language.words import synonyms
 from ucon.objects.model import Relation
 from ucon.task.episode import Episode
 
-#: Every home has them, and hardly any sentence names them.
+#: Never used as the other landmark: every home has them, and hardly any sentence names them.
 _STRUCTURE: Final = frozenset({"floors", "walls", "ceilings"})
 
 
@@ -22,8 +22,8 @@ def placed_elsewhere(dataset: HabitDataset, episode: Episode, row: int) -> str |
 
     Args:
         dataset: of the sentences.
-        episode: that it is told in.
-        row: of the sentence that it takes the place of.
+        episode: the episode in which it is told.
+        row: row of the sentence that it replaces.
 
     Returns:
         The sentence; None where nobody in the dataset says such a thing.
@@ -40,18 +40,18 @@ def placed_elsewhere(dataset: HabitDataset, episode: Episode, row: int) -> str |
 
 
 def renamed(dataset: HabitDataset, episode: Episode, row: int) -> str | None:
-    """The sentence with the thing by which it places something replaced by another of this home.
+    """The sentence with its landmark, the anchor at which it places something, replaced by another of this home.
 
-    The other is an anchor at which somebody keeps things likewise (in it, on it, ...), but neither this household the
-    thing, nor is the target there; it is drawn by the episode's id.
+    The other landmark is an anchor at which somebody keeps things in the same relation (in it, on it, ...), but where
+    neither this household keeps the thing nor the target is; it is drawn by the episode's id.
 
     Args:
         dataset: of the sentences.
-        episode: that it is told in.
+        episode: the episode in which it is told.
         row: of the sentence.
 
     Returns:
-        The sentence; None where it names no such thing by its name or a synonym.
+        The sentence; None where it does not name its landmark (or a synonym), or the home has no other one.
     """
     entry = dataset.entry_of(row)
     text = dataset.texts[row]
@@ -68,11 +68,11 @@ def renamed(dataset: HabitDataset, episode: Episode, row: int) -> str | None:
 
 
 def _anchors(dataset: HabitDataset, relation: Relation) -> set[str]:
-    """Anchors in, on, under or beside which somebody keeps something."""
+    """Anchors at which somebody keeps something in this relation."""
     return {place.anchor for entry in dataset.entries for place in entry.placements if place.relation == relation}
 
 
 def _named(text: str, anchor: str) -> re.Match[str] | None:
-    """Where a text names an anchor; its longest name first."""
+    """Where a text names an anchor; the longest names are tried first."""
     names = sorted({phrase(anchor), *synonyms().get(anchor, ())}, key=lambda name: (-len(name), name))
     return re.search(rf"\b(?:{'|'.join(map(re.escape, names))})\b", text, re.IGNORECASE)

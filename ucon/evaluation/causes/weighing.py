@@ -1,4 +1,4 @@
-"""How much each sentence that an agent is told weighs: how far its belief moves where the sentence is not told."""
+"""Weights of the sentences given to an agent: how far its belief moves if the sentence is left out."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ Locate = Callable[[dict[str, Any]], Locations]
 
 @dataclass(frozen=True)
 class Weighed:
-    """One sentence that is told in an episode."""
+    """One sentence that is given in an episode, with its weight."""
 
     rank: int
-    """Its place in the list that the agent is told, from 1."""
+    """Its place in the list that the agent is given, from 1."""
     row: int
-    """Its row of the dataset."""
+    """Its row in the dataset."""
     habit: str
     weight: float
     """Total variation distance between the belief with it and without it, 0 to 1."""
@@ -31,9 +31,9 @@ def weighed(target: str, level: str, rows: Sequence[int], habits: Sequence[str],
     """The sentences that move the belief at all, the weightiest first.
 
     Args:
-        target: category that is looked for.
-        level: habit level at which they are told.
-        rows: (n,) their rows of the dataset.
+        target: category that is searched for.
+        level: habit level at which they are given.
+        rows: (n,) their rows in the dataset.
         habits: the n sentences.
         locate: reads them.
     """
@@ -50,7 +50,7 @@ def weighed(target: str, level: str, rows: Sequence[int], habits: Sequence[str],
 
 
 def moved(first: Locations, second: Locations) -> float:
-    """Total variation distance of two beliefs, 0 to 1, rounded to 1e-6; what is at no named anchor counts as a place.
+    """Total variation distance of two beliefs, 0 to 1, rounded to 1e-6; the mass at no named anchor counts as a place.
 
     Args:
         first: a belief over A anchors.

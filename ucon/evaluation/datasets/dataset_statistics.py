@@ -31,7 +31,7 @@ def measure(dataset: HabitDataset, scenes: Sequence[str] = SCENES) -> Measures:
     """Measure everything. A dataset other than the habit book is encoded first, once, which takes minutes.
 
     Args:
-        dataset: what is measured.
+        dataset: the dataset that is measured.
         scenes: canonical scenes for knowledge bases; a dataset bound to scenes is measured in its own.
     """
     dense = DenseRetriever()

@@ -64,7 +64,7 @@ def offer_of_scenes(dataset: HabitDataset, scenes: Sequence[str] = SCENES) -> Of
     """Target categories of canonical scenes, and sizes of ten knowledge bases of 20 categories in each.
 
     Args:
-        dataset: what is measured; one bound to scenes is measured only in those.
+        dataset: the dataset that is measured; one bound to scenes is measured only in those.
         scenes: canonical scenes.
     """
     from ucon.sim.cache import load_house
@@ -90,8 +90,8 @@ def measure_retrieval(dataset: HabitDataset, retriever: Retriever, mode: Mode = 
     """Retrieval with the paper's query: five targets in each of 60 knowledge bases of 20 categories.
 
     Args:
-        dataset: has the habits.
-        retriever: what is measured.
+        dataset: the habits.
+        retriever: the retriever that is measured.
         mode: of the knowledge bases.
 
     Raises:

@@ -29,7 +29,7 @@ QUESTIONS: Final = (
 )
 SHEET_FIELDS: Final = ("item", "object", "habit", "place", "real_1_to_5", "look_yes_no_unsure")
 LOOK: Final = ("yes", "unsure", "no")
-#: Largest sheet or key that is read.
+#: Largest sheet or key that is read, bytes.
 _MAX_BYTES: Final = 16 * 2**20
 _WORDS: Final = {"ontop": "on top of", "inside": "inside", "under": "under", "nextto": "next to"}
 
@@ -64,7 +64,7 @@ def draw_items(dataset: HabitDataset, n: int, seed: int = 0) -> list[RatedHabit]
 
     Args:
         dataset: habits with labels.
-        n: number of items; each is of another category.
+        n: number of items, each of a different category.
         seed: of the draw.
 
     Raises:
@@ -121,7 +121,7 @@ def sheet_csv(items: Sequence[RatedHabit], answers: Mapping[int, Rating] = Mappi
 
     Args:
         items: of the survey.
-        answers: that are filled in already, by item.
+        answers: answers that are filled in already, by item.
     """
     said = {number: ("" if one.real is None else one.real, one.look or "") for number, one in answers.items()}
     rows = [(one.item, one.object, one.habit, one.place, *said.get(one.item, ("", ""))) for one in items]

@@ -11,14 +11,14 @@ HEAD = ("% chosen by place in the list", "options", "choices", "1st, 2nd, ...", 
 
 
 def bias_rows(label: str, summary: Mapping[str, Any]) -> list[tuple[str, ...]]:
-    """Rows of the table with the columns :data:`HEAD`, one for each length of list from two options.
+    """Rows of the table with the columns :data:`HEAD`, one for each length of list from two options up.
 
     Args:
         label: of the run.
         summary: content of its ``summary.json``.
 
     Raises:
-        DataError: it has another form.
+        DataError: it is malformed.
     """
     bias = PositionBias.in_summary(summary)
     if bias is None:

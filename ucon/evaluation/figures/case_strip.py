@@ -1,6 +1,6 @@
-"""Draws searches of one case as a figure: for each a strip of camera frames at its waypoints, and below them the maps.
+"""Draws the searches of one case as a figure: a strip of camera frames at the waypoints of each, and maps below.
 
-For people: it shows privileged facts.
+For people only, since it shows privileged facts.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ucon.evaluation.figures.floor_drawing import Floor, draw_floor
 from ucon.evaluation.figures.plotting import COLORS, INK, STYLE, require_matplotlib, save_png
 
-#: Most waypoints of a strip.
+#: Largest number of waypoints in a strip.
 MOST_WAYPOINTS: Final = 6
 _STAR: Final = "#d63c30"
 _WIDTH_IN: Final = 13.0
@@ -29,10 +29,10 @@ class Waypoint:
     """Where a search decided what to do next, or ended.
 
     Attributes:
-        step: actions before it.
+        step: number of actions before it.
         xy: where the robot stood, world metres.
         frame: (H, W, 3) uint8, what its camera saw.
-        goal: what it then went for, in words.
+        goal: where it headed next, in words.
     """
 
     step: int
@@ -46,8 +46,8 @@ class Strip:
     """One search.
 
     Attributes:
-        title: who searched, what it was told, and how it ended.
-        waypoints: in their order, at most :data:`MOST_WAYPOINTS`.
+        title: the agent, what it was given, and how the search ended.
+        waypoints: in order, at most :data:`MOST_WAYPOINTS`.
         path_xy: (n, 2) world metres.
     """
 
@@ -57,12 +57,12 @@ class Strip:
 
 
 def chosen_steps(decided: Sequence[int], end: int, most: int = MOST_WAYPOINTS) -> list[int]:
-    """Steps of the waypoints that are shown: the first, the last, and of the decisions between them evenly many.
+    """Steps of the waypoints that are shown: the first, the last, and evenly spaced decisions between them.
 
     Args:
         decided: steps of the decisions, ascending.
         end: number of steps of the search.
-        most: waypoints.
+        most: largest number of waypoints, the first and the last included.
     """
     between = [step for step in dict.fromkeys(decided) if 0 < step < end]
     room = max(most - 2, 0)
@@ -82,11 +82,11 @@ def draw_case(
     """Draw a case into a PNG.
 
     Args:
-        title: what is searched, and where it is.
+        title: what is searched for, and where it is.
         caption: the habits that say so.
         strips: at most two searches.
         floor: the home.
-        target: number of the target among its things.
+        target: index of the target in the floor's boxes.
         path: the file.
 
     Raises:

@@ -1,6 +1,6 @@
-"""SR and SPL against the share of false sentences among the habits, one line an agent and kind of falsehoods.
+"""SR and SPL against the share of false sentences among the habits, one line per agent and kind of falsehoods.
 
-Runs that are told no habits are the floor: the same at every share.
+Runs without habits are the floor: the same at every share.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ucon.evaluation.kept.finished import read_config
 from ucon.evaluation.kept.record import EpisodeRecord
 
 _COLORS: Final = ("#0f766e", "#d97706", "#5b4bb7", "#b3261e", "#4d7c0f", "#6b7280")
-#: Line of runs without falsehoods: the beginning of the adversarial ones.
+#: Kind of runs without falsehoods: they begin the line of the adversarial ones.
 _WITHOUT: Final = "adversarial"
 #: "Kind" of runs at level ``none``.
 _FLOOR: Final = "no habits"
@@ -29,10 +29,10 @@ def false_shares(runs: Mapping[Path, Run]) -> Lines:
     """Records by agent and kind of falsehoods, and by share; all on the episodes that every run has played.
 
     Args:
-        runs: by folder, whose configuration says kind and share.
+        runs: runs by folder; the configuration in the folder gives kind and share.
 
     Returns:
-        Lines of at least two shares, those without habits too, with one value; {} where no run has falsehoods.
+        Lines of at least two shares, and constant lines of runs without habits; {} where no run has falsehoods.
     """
     common = set.intersection(*({r.episode for r in run.records} for run in runs.values()))
     lines: Lines = {}
@@ -52,7 +52,7 @@ def draw_false_shares(lines: Lines, path: Path) -> None:
     """Draw SR and SPL with their 95 % intervals against the share.
 
     Args:
-        lines: of :func:`false_shares`, at least one.
+        lines: as from :func:`false_shares`, at least one.
         path: of the picture (PNG).
 
     Raises:
@@ -77,7 +77,7 @@ def draw_false_shares(lines: Lines, path: Path) -> None:
 
 def _draw(ax: Any, shares: Sequence[float], values: Sequence[Interval], name: str, k: int) -> None:
     reach: Any = [[v.mean - v.low for v in values], [v.high - v.mean for v in values]]
-    at = [share + 0.008 * k for share in shares]  # beside each other
+    at = [share + 0.008 * k for share in shares]  # shifted, so that intervals do not overlap
     color, style = _COLORS[k % len(_COLORS)], "--" if name.endswith(_FLOOR) else "o-"
     reach = None if name.endswith(_FLOOR) else reach
     ax.errorbar(at, [v.mean for v in values], yerr=reach, fmt=style, color=color, capsize=3, label=name)
@@ -87,7 +87,7 @@ def _draw(ax: Any, shares: Sequence[float], values: Sequence[Interval], name: st
 
 
 def _told(folder: Path) -> tuple[str, float] | None:
-    """Kind and share of the falsehoods of a run, the kind of the floor where it is told none; None if not known."""
+    """Kind and share of a run's falsehoods, the kind of the floor for a run without habits; None if not known."""
     try:
         config = read_config(folder)
     except DataError:  # records alone, or runs that are joined

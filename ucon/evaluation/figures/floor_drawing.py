@@ -1,4 +1,4 @@
-"""Draws the floor of a home from above: rooms, openings, and what stands in them."""
+"""Draws the floor of a home from above: rooms, openings, and the furniture in them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ucon.sim.house import House
 FLOOR: Final = "#f4f1ea"
 _THING, _THING_EDGE, _WALL = "#ddd6c8", "#b8ad9a", "#4b4a48"
 _UNSEEN: Final = ("door", "room_light", "carpet")
-#: What hangs higher is left out, metres.
+#: Things that hang higher than this are left out, metres.
 _HIGHEST_M: Final = 1.2
 
 
@@ -24,7 +24,7 @@ class Floor:
 
     Attributes:
         house: the home.
-        boxes: (n, 6) boxes of its things, and then of those placed in it, metres.
+        boxes: (n, 6) boxes of its things, then of those placed in it, metres.
         names: of the rooms.
     """
 
@@ -37,7 +37,7 @@ def draw_floor(axes: Any, floor: Floor) -> None:
     """Draw a home from above.
 
     Args:
-        axes: of matplotlib.
+        axes: matplotlib axes.
         floor: what is drawn.
     """
     from matplotlib.patches import Rectangle

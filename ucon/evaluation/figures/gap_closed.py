@@ -1,4 +1,4 @@
-"""How far a run gets from a baseline run towards an upper bound, and how much of that holds for unseen things.
+"""How far a run gets from a baseline run towards an upper bound, and how well it generalises to unseen things.
 
 Plain exploration does well in homes, so SR alone says little. *Distance closed* is (run - start) / (goal - start) over
 the same episodes; with ``frontier`` as start and ``oracle_locations`` as goal it is 0 for reading nothing and 1 for

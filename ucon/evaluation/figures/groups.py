@@ -1,4 +1,4 @@
-"""Ways to tell episodes apart: by target and where it is kept, home, split, and by what may make habits pay."""
+"""Ways to group episodes: by target and where it is kept, by home, by split, and by what may make habits pay off."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ucon.evaluation.kept.record import EpisodeRecord
 
 
 def _size(scene: str) -> str:
-    """Class of a home's size; somebody's own home may be kept on another machine."""
+    """Class of a home's size; not known for a user's own home that is kept on another machine."""
     try:
         return size_class(area_m2(scene))
     except UconError:
         return "size not known"
 
 
-#: The name of an episode's group, by title.
+#: By title of a grouping: gives the name of a record's group.
 GROUPS: Final[Mapping[str, Callable[[EpisodeRecord], str]]] = {
     "target": lambda r: r.target.replace("_", " "),
     "relation": lambda r: f"{r.relation}{', behind a door' if r.contained else ''}",
@@ -32,12 +32,12 @@ GROUPS: Final[Mapping[str, Callable[[EpisodeRecord], str]]] = {
     "common sense": by_common_sense,
 }
 
-#: Groups of episodes that may make habits pay.
+#: Groupings by what may make habits pay off.
 PAYS: Final = {name: GROUPS[name] for name in ("variety among households", "common sense", "size of home")}
 
 
 def names_of(group: Callable[[EpisodeRecord], str], runs: Sequence[Sequence[EpisodeRecord]]) -> list[str]:
-    """Names of the groups that have episodes in every run, by their first number, then by name.
+    """Names of the groups that have episodes in every run, sorted by their first number, then by name.
 
     Args:
         group: gives the name of a record's group.

@@ -62,7 +62,7 @@ def draw_home(house: House, arrangement: Arrangement, names: Sequence[str], titl
 
 
 def _rooms_seen(house: House, world: SceneState) -> list[NDArray[np.uint8] | None]:
-    """Each room as it is seen from its free node that is farthest from its middle; None where it has none."""
+    """Each room as seen from its free node that is farthest from its middle; None for a room without free nodes."""
     renderer = RasterRenderer(_FRAME_PX, _FRAME_PX, _FOV_DEG)
     renderer.load(house, world.arrangement)
     found: list[NDArray[np.uint8] | None] = []

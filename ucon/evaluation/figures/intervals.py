@@ -38,7 +38,7 @@ class Interval:
 
     @property
     def excludes_zero(self) -> bool:
-        """Whether both limits are on one side of zero; never for a single value, which says nothing of others."""
+        """Whether both limits are on one side of zero; never for a single value, which says nothing about others."""
         return self.n > 1 and (self.low > 0 or self.high < 0)
 
 

@@ -1,4 +1,4 @@
-"""Tables of runs of lives: by day, by when the thing was last seen, and by what habits say. Intervals draw lives."""
+"""Tables of runs of lives: by day, by last sighting of the thing, and by what habits say. Intervals resample lives."""
 
 from __future__ import annotations
 
@@ -29,19 +29,19 @@ def by_day(facts: LifeFacts) -> str:
 
 
 def by_sight(facts: LifeFacts) -> str:
-    """Whether the robot had seen the thing, and whether it was moved since."""
+    """Whether the robot had seen the thing before, and whether it was moved since then."""
     if facts.seen_days_ago is None:
         return "never seen before"
     return "moved since last seen" if facts.moved else "where it was last seen"
 
 
 def by_word(facts: LifeFacts) -> str:
-    """Whether a told sentence speaks for its place."""
+    """Whether the thing is at a place that a told sentence's entry names."""
     return "where a told sentence says" if facts.obeys else "where none says"
 
 
 def by_change(facts: LifeFacts) -> str:
-    """Whether its habits have changed."""
+    """Whether the habits about the thing have changed."""
     return "habits changed" if facts.changed else "habits as at first"
 
 
@@ -92,7 +92,7 @@ def intervals_of(records: Sequence[EpisodeRecord]) -> tuple[Interval, Interval]:
 
 
 def lives_table(label: str, records: Sequence[EpisodeRecord]) -> Table:
-    """A table with one row a group.
+    """A table with one row per group.
 
     Args:
         label: of the run.
@@ -108,7 +108,7 @@ def lives_table(label: str, records: Sequence[EpisodeRecord]) -> Table:
 
 
 def lives_markdown(runs: Sequence[tuple[str, Sequence[EpisodeRecord]]]) -> str:
-    """SPL of several runs as Markdown: a row a group, a column a run.
+    """SPL of several runs as Markdown: one row per group, one column per run.
 
     Args:
         runs: label and records of each.

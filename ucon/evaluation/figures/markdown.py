@@ -27,14 +27,14 @@ from ucon.task.outcome import FailureCause
 
 #: Limits of the classes of home sizes in square metres, around the sizes of the calibration study.
 SIZE_LIMITS_M2 = (0, 40, 70, 115, 170, 250, 600)
-#: Steps after which success is told.
+#: Step limits for which success is reported.
 BUDGETS: Final = (75, 150, 300)
-#: Subsets of episodes that are told by name.
+#: Subsets of episodes for which results are reported, by name.
 NAMED: Final[Mapping[str, Callable[[EpisodeRecord], bool]]] = {
     "contained targets": lambda r: r.contained,
     "targets against common sense": is_against_common_sense,
 }
-#: Names of generated homes begin with it and a colon.
+#: Names of generated homes begin with this word and a colon.
 GENERATED: Final = "procedural"
 
 
@@ -120,11 +120,11 @@ def markdown_page(
     """All tables of some runs, separated by empty lines.
 
     Args:
-        runs: what is shown.
+        runs: the runs that are shown.
         comparisons: paired differences.
         way: start and goal for distance closed; None: no such column.
         kinds: the same comparisons within each kind of home; None: no such table.
-        groups: the same comparisons within the groups that may make habits pay; None: no such table.
+        groups: the same comparisons within groups by what may make habits pay off; None: no such table.
 
     Raises:
         ConfigError: two runs have the same label.
@@ -226,7 +226,7 @@ def _within(title: str, groups: Mapping[str, Sequence[Comparison]]) -> str:
 
 
 def _budgets(runs: Sequence[Run]) -> str:
-    """Table of SR / SPL of every run where a search counts only if it ends within so many steps."""
+    """Table of SR / SPL of every run where a success counts only within each of the step limits."""
     rows = [(run.label, *(_within_steps(run.records, most) for most in BUDGETS)) for run in runs]
     return _table(("SR / SPL within", *(f"{most} steps" for most in BUDGETS)), rows)
 
@@ -238,7 +238,7 @@ def _within_steps(records: Sequence[EpisodeRecord], most: int) -> str:
 
 
 def _named(runs: Sequence[Run]) -> list[str]:
-    """Table of SR and SPL with intervals on the named subsets that have episodes in every run; [] where none has."""
+    """Table of SR and SPL with intervals on the named subsets that have episodes in every run; [] if there are none."""
     names = [name for name, has in NAMED.items() if all(any(map(has, run.records)) for run in runs)]
     if not names:
         return []

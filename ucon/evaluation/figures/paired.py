@@ -49,7 +49,7 @@ def compare_records(
         first: records of one run.
         second: records of the other.
         names: their labels.
-        by_scene: True: the bootstrap resamples whole homes. Of lives it always resamples whole lives.
+        by_scene: True: the bootstrap resamples whole homes. For lives it always resamples whole lives.
 
     Raises:
         ConfigError: no common episode, or an episode twice in one run.
@@ -72,7 +72,7 @@ def comparison_table(
     """Table with one row per comparison and measure; an asterisk marks intervals that exclude zero.
 
     Args:
-        comparisons: what is shown.
+        comparisons: the comparisons that are shown.
         measures: names of :data:`MEASURES`.
         title: of the table.
     """

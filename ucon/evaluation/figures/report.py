@@ -26,7 +26,7 @@ _PACKAGES = ("numpy", "numba", "torch", "transformers", "gymnasium", "pybullet",
 
 #: Number of episodes of the set ``test``.
 _MANY: Final = 1000
-#: Fewer episodes tell nothing that one could act on.
+#: With fewer episodes the figures are too imprecise to act on.
 _FEW: Final = 30
 #: Options that do not change what is measured, only where and how fast.
 NEUTRAL_OPTIONS = ("out", "runner", "workers", "worker_timeout_s", "pictures", "progress")
@@ -39,9 +39,9 @@ def run_hashes(
 
     Args:
         config: of the run; neutral options are left out.
-        episodes: that are played.
-        weights: names or fingerprints of the weights; None: unknown since they are gone, and left out, so that a
-            finished run can still be read.
+        episodes: the episodes that are played.
+        weights: names or fingerprints of the weights; None: unknown, since the weights are missing; they are then left
+            out, so that a finished run can still be read.
     """
     measured = {key: value for key, value in config.items() if key not in NEUTRAL_OPTIONS}
     habits = sorted({episode.habits_hash for episode in episodes})
@@ -92,7 +92,7 @@ def summary(played: Sequence[PlayedEpisode], hashes: dict[str, str], parts: Name
 
     Args:
         played: the episodes, in order.
-        hashes: of :func:`run_hashes`.
+        hashes: as from :func:`run_hashes`.
         parts: names of the run's language model and detector.
     """
     records = [p.record for p in played]
@@ -112,7 +112,7 @@ def seconds_of(played: Sequence[PlayedEpisode], seconds: float) -> dict[str, Any
 
     Args:
         played: the episodes.
-        seconds: of the run.
+        seconds: wall time of the run.
     """
     return {
         "seconds": round(seconds, 2),

@@ -15,16 +15,16 @@ from ucon.evaluation.figures.markdown import Run
 from ucon.evaluation.figures.plotting import ABOVE, INK, STYLE, new_figure, percent_axis, require_matplotlib, save_png
 from ucon.evaluation.kept.record import EpisodeRecord
 
-#: Colours of runs; with more runs they come again, dashed.
+#: Colours of runs; with more runs they repeat, dashed.
 _COLORS: Final = ("#0f766e", "#d97706", "#5b4bb7", "#b3261e", "#4d7c0f", "#9d4b8f")
 _RESAMPLES: Final = 2_000
 _STEPS: Final = 300
 #: Subsets with fewer common episodes are not drawn.
 _LEAST: Final = 10
 _MOST_PAIRS: Final = 6
-#: Groups within which differences are drawn; within each target or home there are few episodes.
+#: Groupings within which differences are drawn; single targets and homes have too few episodes.
 _SUBSETS: Final = ("split", "relation", "kind of home", "size of home")
-#: Groups of the picture that shows when a difference is large, with what they are called there.
+#: Groupings of the picture that shows when a difference is large, with their titles there.
 _WHEN: Final = {
     "variety among households": "anchors over which\nhouseholds spread such a thing",
     "common sense": "what common sense says\nof the target's place",
@@ -119,7 +119,7 @@ def _differences(pairs: Sequence[tuple[Run, Run]]) -> Any:
 
 
 def _when(pairs: Sequence[tuple[Run, Run]]) -> Any:
-    """SPL of the first minus the second run of each pair, by what may make habits pay."""
+    """SPL of the first minus the second run of each pair, by what may make habits pay off."""
     figure = new_figure(12, 4.6, "When it pays: difference in SPL on the same episodes")
     axes = figure.subplots(1, len(_WHEN), sharey=True)
     for ax, (title, called) in zip(axes, _WHEN.items(), strict=True):
@@ -162,7 +162,7 @@ def _by_subset(first: Run, second: Run, titles: Sequence[str] = _SUBSETS) -> dic
 
 
 def _points(ax: Any, values: Sequence[Interval], names: Sequence[str], color: str, form: str) -> None:
-    """Points with their intervals, one a row, the figure beside each."""
+    """Points with their intervals, one per row, each with its figure next to it."""
     for row, value in enumerate(values):
         reach = [[value.mean - value.low], [value.high - value.mean]]
         ax.errorbar([value.mean], [row], xerr=reach, fmt="o", color=color, capsize=3, markersize=6)

@@ -11,7 +11,7 @@ from ucon.evaluation.figures.plotting import STYLE, new_figure, require_matplotl
 
 _COLORS: Final = ("#0f766e", "#d97706", "#5b4bb7", "#b3261e")
 _BOUND_MS: Final = 50.0
-"""What a query may take at 100,000 sentences."""
+"""Time limit for a query at 100,000 sentences."""
 
 
 def plot_scaling(queries: Sequence[QueryCost], steps: Sequence[StepCost], folder: Path) -> list[Path]:
@@ -44,7 +44,7 @@ def plot_scaling(queries: Sequence[QueryCost], steps: Sequence[StepCost], folder
 
 
 def _sentences(costs: Sequence[QueryCost]) -> Any:
-    """A line a retriever, both axes logarithmic."""
+    """One line per retriever, both axes logarithmic."""
     figure = new_figure(6, 3.8, "Time per query, by number of sentences")
     ax = figure.subplots()
     for k, name in enumerate(dict.fromkeys(cost.retriever for cost in costs)):
@@ -60,7 +60,7 @@ def _sentences(costs: Sequence[QueryCost]) -> Any:
 
 
 def _steps(costs: Sequence[StepCost], sizes: Sequence[int], what: str) -> Any:
-    """A point a home, from zero up."""
+    """One point per home; both axes start at zero."""
     from matplotlib.ticker import MaxNLocator
 
     figure = new_figure(6, 3.4, f"Time per step with images, by number of {what}")

@@ -1,7 +1,7 @@
-"""What makes an episode one where habits may pay: where its target is against common sense, or varies among people.
+"""Episodes in which habits may pay off: the target's place is against common sense, or varies among people.
 
-A record does not say where the target is, so the episode is looked up in the set that its id names. Of other episodes
-(the official release's, somebody's own home) neither is known.
+A record does not say where the target is, so the episode is looked up in the set that its id names. For other episodes
+(the official release's, those in a user's own home) neither is known.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ucon.task.sets import episode_sets, load_episodes
 #: Limits of :func:`common_sense`: below the first, common sense speaks against a place; from the second on, for it.
 AGAINST: Final = 1.0
 FOR: Final = 3.0
-#: Limits of :func:`variety`, which part the test episodes into thirds.
+#: Limits of :func:`variety`, which divide the test episodes into thirds.
 VARIETY: Final = (15.0, 17.0)
 UNKNOWN: Final = "not known"
 
@@ -32,24 +32,24 @@ def is_against_common_sense(record: EpisodeRecord) -> bool:
 
 
 def by_common_sense(record: EpisodeRecord) -> str:
-    """How likely common sense holds the target's place, in words: ``0-1 times chance`` is against common sense."""
+    """How likely the target's place is by common sense, in words: ``0-1 times chance`` is against common sense."""
     found = common_sense(record)
     return UNKNOWN if found is None else _class(found, 0, (AGAINST, FOR), "times chance")
 
 
 def by_variety(record: EpisodeRecord) -> str:
-    """Among how many anchors households spread such a thing, in words."""
+    """Number of anchors over which households spread such a thing, in words."""
     found = variety(record.target) if _episode(record) is not None else None
     return UNKNOWN if found is None else _class(found, 1, VARIETY, "anchors")
 
 
 def common_sense(record: EpisodeRecord) -> float | None:
-    """How likely the anchor of the target is without any habit, as a multiple of that of an anchor picked at random.
+    """Probability of the target's anchor without any habit, as a multiple of that of an anchor picked at random.
 
-    The likelihood is that of the fitted reader that is shipped, which learned from other categories' households.
+    The probability is that of the shipped fitted reader, which learned from other categories' households.
 
     Returns:
-        The ratio, above 0; None where the episode is in no shipped set.
+        The ratio; 0 for an anchor that the reader does not know, None where the episode is in no shipped set.
     """
     episode = _episode(record)
     if episode is None:
@@ -63,9 +63,9 @@ def common_sense(record: EpisodeRecord) -> float | None:
 
 @lru_cache(maxsize=4096)
 def variety(category: str) -> float | None:
-    """Anchors among which the book's households spread a thing: the exponential of their entropy.
+    """Effective number of anchors over which the book's households spread a thing: the exponential of the entropy.
 
-    Each household counts once, each of its placements alike.
+    Each household counts once, and its placements count equally.
 
     Args:
         category: of the thing.
@@ -113,6 +113,6 @@ def _set(name: str) -> dict[str, Episode]:
         return {}
     try:
         episodes = load_episodes(name)
-    except UconError:  # a damaged set is for who plays it
+    except UconError:  # a damaged set is reported where it is played
         return {}
     return {episode.id: episode for episode in episodes if episode.habits_hash == book().sha256}

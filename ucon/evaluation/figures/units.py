@@ -8,6 +8,6 @@ from ucon.evaluation.kept.record import EpisodeRecord
 
 
 def lives_of(records: Sequence[EpisodeRecord]) -> list[str] | None:
-    """Clusters for intervals: the life of each record; None where they are of episodes, or of a single life."""
+    """Clusters for intervals: the life of each record; None for records of episodes, or of a single life."""
     found = [record.life.life for record in records if record.life is not None]
     return found if len(found) == len(records) and len(set(found)) > 1 else None

@@ -31,8 +31,7 @@ class DecisionRecord:
     options: tuple[str, ...]
     """The options in words: the candidates, or what stands for them (LGX by objects).
 
-    A search that values every view lists
-    only the chosen one.
+    A search that values every view lists only the chosen one.
     """
     chosen: int
     """Index of the chosen candidate; also of ``options``, except where these stand for candidates (LGX by objects)."""
@@ -45,7 +44,7 @@ class DecisionRecord:
     answered: int = -1
     """Index of the answered option; -1 for none (L3MVN compares probabilities of labels)."""
     dropped: int = 0
-    """Habits that did not fit into the model's context window, in the question that lost most."""
+    """Habits that did not fit into the model's context window, in the question that lost the most."""
     failure: str = ""
     """Reason why no usable answer came."""
     retries: int = 0
@@ -54,8 +53,7 @@ class DecisionRecord:
     text: str = ""
     """The model's answer as text, if any; control characters are replaced in a stored line.
 
-    For computed choices: gain and
-    cost of the chosen view.
+    For computed choices: gain and cost of the chosen view.
     """
     places: tuple[int, ...] = ()
     """Place of the model's choice in the list of options, for each order in which it was asked; stored where there is
@@ -92,7 +90,7 @@ class DecisionRecord:
             where: file and line, for errors.
 
         Raises:
-            DataError: it has another form, or negative counts.
+            DataError: it is malformed, or has negative counts.
         """
         without = ("seconds",) if isinstance(data, dict) and "places" in data else ("seconds", "places")
         decision = read_as(cls, data, where, "a decision", without=without)

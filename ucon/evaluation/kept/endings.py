@@ -13,7 +13,7 @@ def why_lost(record: EpisodeRecord, decisions: Sequence[DecisionRecord]) -> str:
 
     Args:
         record: of the search.
-        decisions: that the agent made in it; () where none are kept.
+        decisions: decisions that the agent made in it; () where none are kept.
 
     Returns:
         The reason; "" for a search that found its target.

@@ -124,7 +124,7 @@ class FinishedRun:
 
 
 def figures_only(folders: Sequence[Path]) -> DataError:
-    """The error about runs of which episodes are needed, but only figures are kept.
+    """The error for runs whose episodes are needed but of which only figures are kept.
 
     Args:
         folders: of the runs.
@@ -160,7 +160,7 @@ def as_played(
 
 
 def check_summary(said: Mapping[str, Any], path: Path) -> None:
-    """Refuse a summary that lacks what tables show, or has it in another form.
+    """Refuse a summary in which something that tables show is missing or malformed.
 
     Args:
         said: content of the file.
@@ -192,7 +192,7 @@ def check_summary(said: Mapping[str, Any], path: Path) -> None:
 
 
 def read_config(folder: Path) -> dict[str, Any]:
-    """The configuration of a run; with a ``summary.json`` beside it, its checksum is verified.
+    """The configuration of a run; with a ``summary.json`` next to it, its checksum is verified.
 
     Args:
         folder: of the run.

@@ -1,4 +1,4 @@
-"""The output folder of one evaluation, and how an interrupted one goes on.
+"""The output folder of one evaluation, and how an interrupted one continues.
 
 While a run lasts, finished episodes are appended to ``episodes.jsonl.partial``, whose first line has the run's hashes
 and versions. The same command on the same folder continues there; another run in that folder is refused. A finished run
@@ -59,7 +59,7 @@ class RunFolder:
     def seconds(self) -> float:
         """Seconds since the folder was opened, plus those of earlier, interrupted calls.
 
-        Of each earlier call the time up to its last finished episode counts.
+        Each earlier call counts up to its last finished episode.
         """
         return self._seconds_before + time.perf_counter() - self._opened
 
@@ -144,7 +144,7 @@ class RunFolder:
                 f"{self.path}: a finished run, but its configuration now names other episodes; remove the folder "
                 "and evaluate again"
             )
-        self.summary, self.hashes = run.summary, dict(found)  # also of weights that may be gone by now
+        self.summary, self.hashes = run.summary, dict(found)  # includes the hash of weights that may be missing by now
         return played
 
     def _read_partial(self, episodes: Sequence[str]) -> dict[int, PlayedEpisode]:

@@ -36,7 +36,7 @@ def parts_of(agent: Any, detector: Any, memory: Any = None) -> NameParts:
     Args:
         agent: may have ``language`` and ``uses_habits``.
         detector: may have ``name``.
-        memory: may have ``name``, and ``uses_habits`` where an agent that reads none plays by what it makes of them.
+        memory: may have ``name``, and ``uses_habits`` where it reads habits for an agent that reads none itself.
     """
     model = getattr(agent, "language", None)
     uses_habits = getattr(agent, "uses_habits", True) or getattr(memory, "uses_habits", False)

@@ -30,7 +30,7 @@ _CHECKSUM: Final = 64
 
 @dataclass(frozen=True)
 class _Line:
-    """A line's entries beside record, timing and decisions."""
+    """A line's entries apart from record, timing and decisions."""
 
     index: int
     seconds: float
@@ -50,7 +50,7 @@ class PartialRun:
     damaged: int
     """Number of lines that were left out."""
     whole: bytes
-    """The file without them."""
+    """The file without the damaged lines."""
 
 
 def line_of(value: Mapping[str, Any], first: bytes = b"") -> bytes:

@@ -1,6 +1,6 @@
-"""How a language model's choices depend on places in the list of options, and on bare names.
+"""How a language model's choices depend on places in the list of options, and on the options' names alone.
 
-A model that reads what stands at a place chooses each place as often as every other; small ones do not.
+A model that reads the options chooses every place in the list equally often; small models do not.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from typing import Any, Final, Protocol
 
 from ucon.core.errors import DataError
 
-#: Names of options are counted one by one up to this number of them.
+#: Names of options are counted if there are at most this many different ones.
 _FEW_NAMES: Final = 8
 
 
 class Listed(Protocol):
-    """What is counted of a decision (:class:`ucon.evaluation.kept.decisions.DecisionRecord`)."""
+    """The parts of a decision (:class:`ucon.evaluation.kept.decisions.DecisionRecord`) that are counted."""
 
     @property
     def options(self) -> tuple[str, ...]:
@@ -25,12 +25,12 @@ class Listed(Protocol):
 
     @property
     def answered(self) -> int:
-        """Index of the answered one; -1 for none."""
+        """Index of the answered option; -1 for none."""
         ...
 
     @property
     def places(self) -> tuple[int, ...]:
-        """Place in the list of the model's choice, for each order in which it was asked."""
+        """Place of the model's choice in the list, for each order in which it was asked."""
         ...
 
 
@@ -43,11 +43,11 @@ class PositionBias:
     agreement: float | None
     """Share of the decisions asked in two orders in which both chose the same option; None where none was."""
     named: Mapping[str, float]
-    """Share of each name among the answers, where names are few, as directions are; else empty."""
+    """Share of each name among the answers, where there are few names, such as directions; else empty."""
 
     @classmethod
     def of(cls, decisions: Sequence[Listed]) -> PositionBias | None:
-        """Count; None where no model read a list.
+        """Count the choices of a run; None where no model read a list.
 
         Args:
             decisions: of all episodes.
@@ -59,7 +59,7 @@ class PositionBias:
         for n in sorted({len(d.options) for d in listed}):
             places = [place for d in listed if len(d.options) == n for place in d.places]
             chosen[n] = len(places), tuple(places.count(k) / len(places) for k in range(n))
-        # The second order is the first one reversed: the places of one option add up to the last one's number.
+        # The second order is the first one reversed: the two places of an option add up to the last place's number.
         same = [sum(d.places) == len(d.options) - 1 for d in listed if len(d.places) == 2]
         names = sorted({name for d in listed for name in d.options})
         answers = [d.options[d.answered] for d in listed if 0 <= d.answered < len(d.options)]
@@ -77,14 +77,14 @@ class PositionBias:
 
     @classmethod
     def in_summary(cls, summary: Mapping[str, Any], where: str = "summary") -> PositionBias | None:
-        """What a summary keeps of it; None where it keeps none.
+        """Read the shares from a summary; None where it has none.
 
         Args:
             summary: content of ``summary.json``; not trusted.
             where: names the file in errors.
 
         Raises:
-            DataError: it has another form.
+            DataError: they are malformed.
         """
         language = summary.get("language")
         if not isinstance(language, dict) or "position_bias" not in language:

@@ -32,7 +32,7 @@ class Verification:
     label: str
     n: int
     sealed: bool
-    """Whether there are checksums (a wrong one is an error)."""
+    """Whether there are checksums (a wrong one raises an error)."""
     recomputed: tuple[str, ...]
     """Names of the figures that were recomputed."""
     differing: tuple[str, ...]
@@ -42,7 +42,7 @@ class Verification:
 
     @property
     def good(self) -> bool:
-        """Whether all recomputed figures agree and checksums are there."""
+        """Whether all recomputed figures agree and there are checksums."""
         return self.sealed and not self.differing
 
 

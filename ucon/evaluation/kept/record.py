@@ -20,7 +20,7 @@ from ucon.task.outcome import FailureCause
 
 #: Digits to which every figure is rounded: enough for any table.
 _DIGITS: Final = 6
-#: Fields that are not in the file where they are None.
+#: Fields that are left out of the file where they are None.
 _OPTIONAL: Final = ("life", "believed")
 _FAILURES: Final = get_args(FailureCause)
 _SHARES: Final = ("spl", "soft_spl", "recall_10", "recall_20", "mrr")
@@ -71,8 +71,8 @@ class EpisodeRecord:
     life: LifeFacts | None = None
     """Facts about a request within its life; None, and then not in the file, for an episode."""
     believed: tuple[BelievedPlace, ...] | None = None
-    """Places where a robot that remembers held the target to be, the likeliest first; None, and then not in the file,
-    for one that remembers no places."""
+    """Places where a robot with a memory believed the target to be, the likeliest first; None, and then not in the
+    file, for a robot that remembers no places."""
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -97,7 +97,7 @@ class EpisodeRecord:
             where: file and line, for errors.
 
         Raises:
-            DataError: it has another form, or contradicts itself.
+            DataError: it is malformed, or contradicts itself.
         """
         without = tuple(name for name in _OPTIONAL if isinstance(data, dict) and name not in data)
         record = read_as(cls, data, where, "an episode record", without=without)
@@ -108,7 +108,7 @@ class EpisodeRecord:
 
 @dataclass(frozen=True)
 class EpisodeTiming:
-    """Wall-clock seconds of an episode; apart from the record because they differ from run to run."""
+    """Wall-clock seconds of an episode; kept apart from the record because they differ from run to run."""
 
     episode: str
     seconds: float
@@ -129,7 +129,7 @@ class EpisodeTiming:
             where: file and line, for errors.
 
         Raises:
-            DataError: it has another form, or negative seconds.
+            DataError: it is malformed, or has negative seconds.
         """
         timing = read_as(cls, data, where, "an episode's timing")
         if min(timing.seconds, timing.language_seconds, *timing.decision_seconds) < 0:
@@ -138,7 +138,7 @@ class EpisodeTiming:
 
 
 def read_records(path: Path) -> list[EpisodeRecord]:
-    """Read records; with a ``summary.json`` beside them, their checksum is verified.
+    """Read records; with a ``summary.json`` next to them, their checksum is verified.
 
     Args:
         path: ``episodes.jsonl`` (or ``.xz``), or the folder that holds it.
@@ -165,7 +165,7 @@ def parse_records(raw: bytes, path: Path) -> list[EpisodeRecord]:
         path: of the file, for errors.
 
     Raises:
-        DataError: none, a line that is no record, or an episode twice; names the line.
+        DataError: no records, a line that is no record, or an episode twice; names the line.
     """
     records = [EpisodeRecord.from_json(value, where=where) for value, where in json_lines(raw, path)]
     if not records:

@@ -1,7 +1,7 @@
 """Compares a stored run with the same run played again, episode by episode.
 
 Folders of ``results/`` store a run's configuration and ``summary.json``, many also the record of every episode. Records
-are compared byte by byte; where there are none, the figures of the summary are.
+are compared byte by byte; where there are none, the figures of the summary are compared instead.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class StoredRun:
             every: 1 for all.
 
         Raises:
-            DataError: other episodes are stored, or only figures of all of them and a part is to be played.
+            DataError: other episodes are stored; or only figures of the whole run are stored and ``every`` is not 1.
         """
         if self.records is None:
             if every != 1:
@@ -72,7 +72,7 @@ class ReplayResult:
 
     @property
     def same(self) -> bool:
-        """Whether everything came out as it is stored."""
+        """Whether everything came out as stored."""
         return not self.differing
 
 

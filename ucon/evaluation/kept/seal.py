@@ -26,7 +26,7 @@ PARTIAL: Final = f"{RECORDS}.partial"
 TIMING, CONFIG, SECONDS = "timing.jsonl", "config.yaml", "seconds.json"
 #: Files whose checksums are in ``summary.json`` and in ``seconds.json``.
 SEALED: Final[Mapping[str, tuple[str, ...]]] = {SUMMARY: (RECORDS, DECISIONS), SECONDS: (TIMING, CONFIG)}
-#: Largest file, unpacked: some hundred thousand episodes, or the decisions of some thirty thousand.
+#: Largest file in bytes, unpacked: some hundred thousand episodes, or the decisions of some thirty thousand.
 _MAX_BYTES = 1 << 28
 _SEAL = ',\n "checksum": "'
 _RESTORE = "restore it or evaluate again"
@@ -197,6 +197,6 @@ def _compare(folder: Path, by: str, name: str, found: str | None, expected: str 
 
 
 def _runs_inside(folder: Path) -> str:
-    """Names of the runs in a folder of several, as of a sweep or of ``try``."""
+    """Names of the runs in a folder that holds several, such as that of a sweep or of ``try``."""
     inside = sorted(path.parent.name for path in folder.glob("*/summary.json"))
     return f", such as one in it: {brief(', '.join(inside))}" if inside else ""

@@ -12,7 +12,7 @@ from ucon.evaluation.kept.seal import SUMMARY, read_files
 
 
 def twin_of(out: Path, config: dict[str, Any], hashes: dict[str, str]) -> Path | None:
-    """A finished run beside ``out`` that differs from this one only in its habit level.
+    """A finished run next to ``out`` that differs from this one only in its habit level.
 
     Args:
         out: folder of this run.

@@ -27,9 +27,9 @@ from ucon.evaluation.playing.play import PlayedEpisode, RunSpec
 
 #: How often an episode is tried before it counts as never ending.
 TRIES: Final = 3
-#: Most seconds between two checks of silent workers.
+#: Longest time in seconds between two checks of silent workers.
 _TICK_S: Final = 1.0
-#: Seconds to wait for a process to end; within a system call it may not end even by SIGKILL.
+#: Seconds to wait for a process to end; within a system call it may survive even SIGKILL.
 _END_S: Final = 10.0
 
 
@@ -39,7 +39,7 @@ class WorkerError(RuntimeError):
 
 @dataclass(eq=False)
 class _Worker:
-    """A process, its pipe, and the jobs that it has yet to play, in its order."""
+    """A process, its pipe, and the jobs that it has yet to play, in order."""
 
     process: Any
     receiver: Connection
@@ -53,8 +53,8 @@ class WorkerPool:
 
     Args:
         spec: agent, environment, habit level.
-        timeout_s: most seconds per episode; a worker with several environments has it for each of them, since they take
-            turns.
+        timeout_s: time limit per episode; a worker with several environments is allowed this time for each of them,
+            since they take turns.
     """
 
     def __init__(self, spec: RunSpec, timeout_s: float) -> None:
@@ -78,7 +78,7 @@ class WorkerPool:
         Raises:
             UconError: raised by a worker, unchanged.
             EpisodeError: an episode that no worker finished in time.
-            WorkerError: a worker failed in another way, or an episode is one in which every worker died.
+            WorkerError: a worker failed in another way, or every worker that tried an episode died.
         """
         for number, share in enumerate(shares):
             self._start(f"ucon-eval-{number}", share)
@@ -175,7 +175,7 @@ class WorkerPool:
         self._go_on(worker, f"{how} in {running}")
 
     def _ended_in(self, worker: _Worker) -> tuple[str, str]:
-        """End a worker; names of the episodes that it was at, and of those among them that were tried too often."""
+        """End a worker; returns the names of the episodes that it was playing, and of those tried too often."""
         running = worker.left[: self._spec.batch]
         self._working.remove(worker)
         _kill(worker)
@@ -184,7 +184,7 @@ class WorkerPool:
         return ", ".join(episode.id for _, episode in running), ", ".join(worst)
 
     def _go_on(self, worker: _Worker, how: str) -> None:
-        """Start a new process for the rest of a worker's share; nothing where only its last message was missing."""
+        """Start a new process for the rest of a worker's share, unless only its last message was missing."""
         name = worker.process.name
         if worker.left:
             sys.stderr.write(f"warning: {name} {how}, so another worker plays that episode again\n")

@@ -10,7 +10,7 @@ from ucon.task.agent import Info, Observation
 
 
 class Hand(Protocol):
-    """Where the actions come from: what a person is shown, and what they answer."""
+    """Source of the actions: shows observations to a person and returns the person's answers."""
 
     def begin(self, info: Info) -> None:
         """An episode begins.
@@ -34,7 +34,7 @@ class HumanAgent:
     """Asks a person for every action; one environment at a time.
 
     Attributes:
-        hand: whom it asks; None outside the page *Play*.
+        hand: what it asks for actions; None outside the page *Play*.
     """
 
     name = "human"
@@ -53,7 +53,7 @@ class HumanAgent:
         """Show the person a new episode.
 
         Raises:
-            ConfigError: nobody is there to be asked, or more than one environment is played at once.
+            ConfigError: there is nobody to ask, or more than one environment is played at once.
         """
         if self.hand is None:
             raise ConfigError(

@@ -31,7 +31,7 @@ def play(spec: RunSpec, jobs: Sequence[Job]) -> Iterator[PlayedEpisode]:
 
 
 def play_on(stage: Stage, spec: RunSpec, jobs: Sequence[Job]) -> Iterator[PlayedEpisode]:
-    """As :func:`play`, with an agent and environments that are there already.
+    """As :func:`play`, with an agent and environments that exist already.
 
     Args:
         stage: where they are played; made by ``spec``.

@@ -1,7 +1,7 @@
-"""Weights that agents and detectors need: whether they are there, and which they are.
+"""Weights that agents and detectors need: whether they are present, and their fingerprints.
 
-A part may have ``check()``, which raises an error of one line, and ``fingerprint()``, which gives a hash of the
-weights: "" where it needs none, None where they are missing.
+A part may have ``check()``, which raises a one-line error, and ``fingerprint()``, which gives a hash of the weights: ""
+where it needs none, None where they are missing.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from typing import Any
 
 
 def check_weights(*parts: Any) -> None:
-    """Raise an error of one line, before anything is played, where weights of one of the parts are missing."""
+    """Raise a one-line error, before anything is played, where weights of one of the parts are missing."""
     for part in parts:
         check = getattr(part, "check", None)
         if check is not None:

@@ -1,4 +1,4 @@
-"""Films of episodes: a video (first person beside the map), and the final map as a picture."""
+"""Films of episodes: a video (first person next to the map), and the final map as a picture."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ def save_film(frames: Sequence[Frame], captions: Sequence[str], folder: Path, na
     """Write ``name.png``, the final map, and ``name.webm``, the video.
 
     Args:
-        frames: (H, W, 3) uint8 of ``env.render()``, W = 2 H: camera left, map right; and beside it the agent's picture
-            of the same height, if it draws one. Sides are even.
+        frames: (H, W, 3) uint8 of ``env.render()``, W = 2 H: camera left, map right; and to the right of it the agent's
+            picture of the same height, if it draws one. Sides are even.
         captions: one line of text above each frame.
         folder: is created if missing.
         name: file name without suffix.

@@ -48,7 +48,7 @@ class RunSpec:
     films: Path | None = None
     """Folder for the map and the video of every episode; None: no films."""
     memory: Callable[[], Memory | None] | None = None
-    """Of a robot that lives in a home; None: it begins every request without any."""
+    """Makes the memory of a robot that lives in a home; None: it begins every request without a memory."""
 
     def __post_init__(self) -> None:
         if type(self.batch) is not int or self.batch < 1:
@@ -146,10 +146,10 @@ class Ended(Protocol):
     """A search that has just ended, in one environment of the batch."""
 
     number: int
-    """Of the environment in the batch."""
+    """Number of the environment in the batch."""
     env: Env
     index: int
-    """Of the episode in the evaluated list."""
+    """Index of the episode in the evaluated list."""
     episode: Episode | None
     first_info: Any
     """Info of the reset."""
@@ -157,7 +157,7 @@ class Ended(Protocol):
     frames: list[Any] | None
     """Frames of its film; None without one."""
     started: float
-    """Of the process's clock, seconds."""
+    """Time of the process's clock at the start, seconds."""
 
 
 def played(
@@ -172,11 +172,11 @@ def played(
 
     Args:
         slot: the search.
-        agent: the agent, before it begins another search there.
+        agent: the agent, before it begins another search in that environment.
         spec: of the run.
         metrics: of the search, as the environment's ``episode_metrics``.
         life: of a request in a life.
-        believed: where a robot that remembers held the target to be.
+        believed: where a robot with a memory believed the target to be.
     """
     seconds = time.perf_counter() - slot.started
     episode = slot.episode

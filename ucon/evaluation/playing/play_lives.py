@@ -19,12 +19,12 @@ from ucon.task.episode import Episode
 
 @dataclass
 class _Resident:
-    """One environment of the batch with the life that it plays now, and the request of it."""
+    """One environment of the batch with the life that it plays now, and the current request."""
 
     number: int
     env: Env
     wanted: dict[int, int] = field(default_factory=dict)
-    """By number of a request that is to be recorded, its index."""
+    """Index of each request that is still to be recorded, by its number in the life."""
     index: int = -1
     episode: Episode | None = None
     memory: Memory | None = None
@@ -43,7 +43,7 @@ class _Resident:
         self._begin(agent)
 
     def step(self, action: int, agent: Agent, spec: RunSpec) -> Iterator[PlayedEpisode]:
-        """Carry out an action; yields the request that it ends, if that is wanted."""
+        """Carry out an action; yields the request that it ends, if that request is wanted."""
         if self.memory is not None:
             self.memory.look(self.observation, self.info)
             action = self.memory.act(int(action), self.observation)
@@ -51,7 +51,7 @@ class _Resident:
         self.observation, _, over, _, self.info = self.env.step(int(action))
         if "request_record" not in self.info:
             return
-        # Privileged: both are for the record alone, and the info may be the one with which the next request begins.
+        # Privileged: both are for the record alone, and the next request may begin with this same info.
         metrics = dict(self.info.pop("request_record"))
         del self.info["is_success"]
         facts = LifeFacts(**metrics.pop("life"))
@@ -65,7 +65,7 @@ class _Resident:
             self._begin(agent)
 
     def _begin(self, agent: Agent) -> None:
-        """Begin a request; its first frame is there, or that of the patrol before it."""
+        """Begin a request; the current frame is its first one, or the first one of the patrol before it."""
         while "patrol" in self.info:
             action = Action.DONE if self.memory is None else self.memory.patrol(self.observation, self.info)
             self.observation, _, _, _, self.info = self.env.step(int(action))

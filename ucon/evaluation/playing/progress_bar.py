@@ -17,7 +17,7 @@ class EvaluationProgress:
         """Prepare the line.
 
         Args:
-            label: what it begins with.
+            label: text at its beginning.
             total: number of episodes.
             visible: False shows nothing.
             done: episodes that were played before.
@@ -59,7 +59,7 @@ def embedding_progress(*, visible: bool = True) -> Iterator[Callable[[int, int],
     """Context manager with a progress line for encoding habits; it is shown only where some are not cached.
 
     Yields:
-        A function of texts done and texts in all.
+        A function of the number of texts done and the number of all texts.
     """
     with ExitStack() as stack:
         shown: list[Progress] = []

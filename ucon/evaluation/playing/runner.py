@@ -43,7 +43,7 @@ def resolve_workers(workers: int | str, n_episodes: int) -> int:
 
 
 class Runner(Protocol):
-    """Who plays: processes of this machine, or of a cluster."""
+    """Plays jobs, in processes of this machine or of a cluster."""
 
     def play(self, spec: RunSpec, jobs: Sequence[Job], workers: int | str, timeout_s: float) -> Iterator[PlayedEpisode]:
         """Play jobs and yield episodes as they end, in any order.
@@ -52,13 +52,13 @@ class Runner(Protocol):
             spec: agent, environment, habit level.
             jobs: see :data:`Job`.
             workers: how many, or ``auto``.
-            timeout_s: most seconds that a worker may take for an episode; infinity for no limit.
+            timeout_s: longest time in seconds that a worker may take for an episode; infinity for no limit.
         """
         ...
 
     @property
     def pool(self) -> MakePool:
-        """Opens pools of its processes for other work, see :func:`ucon.core.pool.pools_from`."""
+        """Function that opens pools of its processes for other work, see :func:`ucon.core.pool.pools_from`."""
         ...
 
 
@@ -94,8 +94,8 @@ def evaluate(
         workers: see :func:`resolve_workers`.
         skip: indices that an earlier run has played.
         on_played: is called in this process with each episode as it ends, in any order.
-        worker_timeout_s: most seconds that a worker may take for an episode; None for no limit.
-        runner: whose workers play.
+        worker_timeout_s: longest time in seconds that a worker may take for an episode; None for no limit.
+        runner: provides the workers.
 
     Returns:
         The episodes, sorted by index.
@@ -103,7 +103,7 @@ def evaluate(
     Raises:
         UconError: raised by a worker, unchanged.
         EpisodeError: no worker finished an episode in time.
-        WorkerError: a worker failed in another way, or an episode is one in which every worker died.
+        WorkerError: a worker failed in another way, or every worker that tried an episode died.
     """
     done = set(skip)
     jobs: list[Job] = [(i, episode) for i, episode in enumerate(episodes) if i not in done]

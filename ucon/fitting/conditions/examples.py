@@ -1,6 +1,6 @@
-"""What the condition reader learns from: sentences of train entries in contexts in which their places hold, and others.
+"""Training data of the condition reader: sentences of train entries in contexts where their conditions hold or fail.
 
-A sentence that supports a place is labelled by that place's condition. Distractors are left out: they tell no place, so
+A sentence that supports a place is labelled by that place's condition. Distractors are left out: they name no place, so
 nothing depends on when they hold.
 """
 
@@ -22,12 +22,12 @@ from ucon.readers.conditions.condition_reader import KINDS
 
 #: Number of contexts in which a sentence with a condition is shown.
 N_CONTEXTS: Final = 6
-#: Probability of the sentence's own occasion, and of another one.
+#: Probability that a context has the sentence's own occasion, and that it has another one.
 OWN_P, OTHER_P = 0.35, 0.3
 #: Probability that a context fulfils the day, hour and season of the sentence.
 HOLDS_P: Final = 0.5
 _TRIES: Final = 100
-#: Words of contexts that speak of no occasion in particular.
+#: Words of contexts that name no particular occasion.
 _PLAIN: Final = frozenset(
     stems("day days night nights week weeks before after when time the a of with in season afternoons evening morning")
 )

@@ -1,7 +1,7 @@
 """Fits probes and softmax regressions of the condition reader on train entries of the habit book.
 
-A probe's logit on the sentences it was fitted on is surer than on others, so the regressions are fitted with logits of
-probes that did not learn from a sentence's category.
+A probe is more confident on the sentences it was fitted on than on others, so the regressions are fitted with logits of
+probes that were not fitted on the sentence's category.
 """
 
 from __future__ import annotations
@@ -72,11 +72,11 @@ def measure(reader: ConditionReader, dataset: HabitDataset, part: Split) -> Mapp
     Args:
         reader: fitted.
         dataset: the habits.
-        part: of the entries; ``train`` flatters.
+        part: of the entries; figures on ``train`` are optimistic.
 
     Returns:
-        Nats a judgement (``nll``), those of the labels' own frequencies (``frequencies``), and the share of sentences
-        with a condition of the kind for which the right one of holds and fails is the more probable (``right``).
+        Nats per judgement (``nll``), nats when predicting the labels' frequencies (``frequencies``), and the share of
+        sentences with a condition of the kind for which the right one of holds and fails is more probable (``right``).
     """
     said = said_in(dataset, part)
     x, y = examples(reader, said, reader.mentions(reader.sentences([one.text for one in said])))

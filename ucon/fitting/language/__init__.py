@@ -1,1 +1,1 @@
-"""Fits the figures of the language model that is built in: what it answers, and what it says about places."""
+"""Fits the embedded language model: its choice among options, and its answers about places."""

@@ -1,7 +1,7 @@
 """Fits the embedded language model: ``python -m ucon data fit-language-encoder``, some minutes on one core.
 
 Uses the stored ``val`` episodes: options are the distinct categories that stand in the home; the right one is the
-anchor that the target was placed at. First the temperatures are fitted by maximum likelihood over the levels none,
+anchor where the target was placed. First the temperatures are fitted by maximum likelihood over the levels none,
 full, gt and retrieval together. Then the score of an option without labels is fitted, on questions with four options
 among which the home's categories are dealt at random: each shows five (the right one among them), the first shows none.
 The results go into :class:`ucon.language.models.encoder.EncoderWeights`; on ``test`` they are only measured.

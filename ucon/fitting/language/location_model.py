@@ -1,7 +1,7 @@
 """Fits the embedded language model's answers about places: ``python -m ucon data fit-location-model``, some minutes.
 
 L3MVN compares the probability of one label between places, and that is what is fitted: of four places of a home, one of
-them around the target's anchor, the true one is to have the highest ``log p(target)``. (Fitted on the label instead,
+them around the target's anchor, the true one should have the highest ``log p(target)``. (Fitted on the label instead,
 the model learns that habits are mostly about the target, and raises it everywhere alike.) The levels none, full, gt and
 retrieval of ``val`` have equal weight; ``test`` is only measured. The results go into
 :class:`ucon.language.models.keeping.LocationWeights`.

@@ -2,7 +2,7 @@
 
 Pairs are those of test categories, whose labels neither has seen: sentences with a placement that they support, with
 another placement of their entry, with an anchor that the entry does not use, and sentences that support nothing with
-every placement of theirs. Intervals resample the pairs of each kind.
+every placement of their entry. Intervals resample the pairs of each kind.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """``causal_lm``: a text chat model on this machine, scored by :mod:`ucon.language.models.likelihood`.
 
 The system part is the same in all questions of an episode, so its keys and values are kept. The rest of a question is
-read once, with all its options behind it.
+read once, followed by all its options.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from ucon.language.models.weights import LocalWeights
 
 #: Two user messages that begin differently: the common prefix of their conversations is the system part.
 _USERS: Final = ("A", "?")
-#: Share of the window, as its inverse, that habits leave to the user's message.
+#: Habits leave at least one part in this many of the window to the user's message.
 _SPARE: Final = 16
 
 
@@ -83,12 +83,12 @@ class CausalModel(LikelihoodModel[_Ready]):
         self._keep, self._orders = prefixes, Orders(orders, seed)
         self._prefixes: OrderedDict[Ids, Past] = OrderedDict()
         self._systems: OrderedDict[str, Ids] = OrderedDict()
-        # Of the last question: most likely as many must be left out of the next one, too.
+        # Number of habits dropped from the last question; most likely the next one needs the same.
         self._dropped = 0
 
     @property
     def name(self) -> str:
-        """Such as ``causal (Llama-3.1-8B-Instruct)``; says where each question is asked in two orders."""
+        """Such as ``causal (Llama-3.1-8B-Instruct)``; it says so if each question is asked in two orders."""
         twice = ", two orders" if self._orders.count == MOST else ""
         return f"{self.kind} ({self._weights.short}{twice})"
 
@@ -117,18 +117,18 @@ class CausalModel(LikelihoodModel[_Ready]):
         return self._ids(self._template.render(system, situation))
 
     def _ids(self, text: str) -> Ids:
-        """Tokens of a text that carries its special ones itself."""
+        """Tokens of a text that already contains the special tokens."""
         clean = text.encode("utf-8", "replace").decode()
         return tuple(self._tokenizer(clean, add_special_tokens=False)["input_ids"])
 
     def _shared(self, system: str, prompt: Ids) -> Ids:
-        """What is kept of a prompt; its last token is left to be read with the options."""
+        """The part of a prompt that is cached; at least the last token is left to be read with the options."""
         if not self._keep:
             return ()
         return prompt[: min(common_prefix(self._system_part(system), prompt), len(prompt) - 1)]
 
     def _system_part(self, system: str) -> Ids:
-        """Tokens with which every conversation of this system begins."""
+        """Tokens with which every conversation with this system message begins."""
         if system not in self._systems:
             a, b = (self._prompt(system, user) for user in _USERS)
             self._systems[system] = a[: common_prefix(a, b)]
@@ -154,7 +154,7 @@ class CausalModel(LikelihoodModel[_Ready]):
         )
 
     def _in_turn(self, started: Sequence[Past], group: Sequence[_Ready]) -> list[list[Any]]:
-        """The same where answers cannot stand in one row: the prompt, then a row an answer."""
+        """The same for models that cannot fork a row: first the prompt, then one row per answer."""
         out: list[list[Any]] = [[] for _ in group]
         # All but the last token of each prompt: the last one predicts the answer's first token, so it is read again
         # with each answer.
@@ -166,7 +166,7 @@ class CausalModel(LikelihoodModel[_Ready]):
         return out
 
     def _started(self, shared: Sequence[Ids]) -> list[Past]:
-        """The pasts after system parts; those that are not kept from before are computed in one batch."""
+        """The pasts after system parts; those that are not cached are computed in one batch."""
         new = [ids for ids in dict.fromkeys(shared) if ids not in self._prefixes]
         nothing = self._reader.nothing()
         found = {**self._prefixes, **dict(zip(new, self._reader.after([nothing] * len(new), new), strict=True))}

@@ -30,7 +30,7 @@ class ChatModel:
     sees_images = True
 
     def __init__(self, client: ChatClient, *, retries: int = 3, parallel: int = 4) -> None:
-        """Take over the client; nothing is sent yet.
+        """Set the client; nothing is sent yet.
 
         Args:
             client: server, model, timeout and sampling; its own number of attempts is not used.

@@ -12,14 +12,14 @@ _PROBE: Final = ("probe of the system", "probe of the user")
 
 
 class ChatTemplate:
-    """Renders a system and a user message as the prompt of an answer.
+    """Renders a system and a user message as the prompt for an answer.
 
     Templates differ: some take the system message as a string, some as a list of parts, and some allow none (or none
-    beside images); then its text goes before the user's. Which one it is, is tried once.
+    together with images); then its text goes before the user's. The form is found once, by trying.
     """
 
     def __init__(self, owner: Any, where: str, options: Mapping[str, Any] | None = None) -> None:
-        """Take over the template; it is tried at first use.
+        """Set the template; it is tried at first use.
 
         Args:
             owner: tokenizer or processor with ``apply_chat_template``.
@@ -52,7 +52,7 @@ class ChatTemplate:
         for style in ("text", "parts", "folded"):
             try:
                 found = self._rendered(style, *_PROBE, images)
-            except Exception as problem:  # templates are programs of their own, and refuse in any way
+            except Exception as problem:  # templates are programs and can fail in any way
                 error = " ".join(str(problem).split())[:160]
                 continue
             if all(probe in found for probe in _PROBE):
@@ -79,9 +79,9 @@ def most_habits(system: str, fits: Callable[[str], bool], likely: int = 0) -> tu
 
     Args:
         system: message with a habit block.
-        fits: whether a system message fits into the window; fewer habits always do where more do.
-        likely: habits that were dropped the last time; the result does not depend on it, but is found by two trials
-            where it holds again.
+        fits: whether a system message fits into the window; where a number of habits fits, fewer do too.
+        likely: habits that were dropped last time. The result does not depend on it, but takes only two trials if the
+            number is the same again.
 
     Returns:
         The message, and how many habits were dropped at its end; None if it does not fit without habits either.
@@ -118,7 +118,7 @@ def end_tokens(model: Any, tokenizer: Any) -> list[int]:
 
 
 def window_of(model: Any) -> int:
-    """Longest input of a model in tokens, by its configuration; practically unlimited where it has none."""
+    """Longest input of a model in tokens, by its configuration; practically unlimited if that gives none."""
     config = model.config.get_text_config()
     found = getattr(config, "max_position_embeddings", None)
     return int(found) if found else 1 << 30

@@ -28,7 +28,7 @@ Vector = NDArray[np.float64]
 
 #: Episodes whose relevances are kept, since several are played in parallel.
 _EPISODES = 64
-#: Log odds of the target itself among the labels, instead of a similarity. The fit never has it among the labels.
+#: Log odds of the target itself among the labels, instead of a similarity. In the fit it is never among the labels.
 FOUND = 30.0
 
 

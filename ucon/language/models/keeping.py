@@ -1,4 +1,4 @@
-"""Which of some labels is kept at a place with some things, by sentence vectors: the encoder's answer for L3MVN.
+"""Scores which label is kept at a place with given things, by sentence vectors: the encoder's answer for L3MVN.
 
 The log odds of a label l at a place with things o are ``weight * log((doubt + S) / (doubt + N))``. N is the number of
 habits about the label: each habit h counts by its share ``softmax(cos(h, l) / about)`` among the labels and one more
@@ -102,7 +102,7 @@ class LocationScores:
 
 
 class _Reading:
-    """Terms of some labels and habits: what does not depend on the place, and a column for each thing met."""
+    """Terms of some labels and habits: those independent of the place, and a column for each thing seen so far."""
 
     def __init__(
         self,

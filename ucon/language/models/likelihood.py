@@ -152,7 +152,7 @@ class LikelihoodModel(LocalModel, Generic[R]):
     @property
     @abstractmethod
     def _owner(self) -> Any:
-        """Tokenizer or processor: what has the chat template."""
+        """The tokenizer or processor, whichever has the chat template."""
 
     @property
     @abstractmethod

@@ -19,7 +19,7 @@ class LocalModel(ABC):
     """A stored configuration may not switch downloads on; only the command line may."""
 
     def __init__(self, weights: LocalWeights) -> None:
-        """Take over the weights; nothing is read yet."""
+        """Set the weights; nothing is read yet."""
         self._weights = weights
 
     @property

@@ -1,8 +1,8 @@
 """``masked_lm``: a masked language model (RoBERTa) fills the gap of a sentence, by pseudo-log-likelihood.
 
-The text is as many whole habits as fit, and the question's cloze with an option's name. Only the name's own tokens are
-masked, one at a time, with all others visible. An option's score is the mean log-probability of these (Salazar et al.,
-2020). It is the mean since names differ in length, and the rest of the sentence is the same for all.
+The text is as many whole habits as fit, followed by the question's cloze with an option's name. Only the name's own
+tokens are masked, one at a time, with all others visible. An option's score is the mean log-probability of these
+(Salazar et al., 2020). The mean is taken since names differ in length; the rest of the sentence is the same for all.
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ class MaskedModel(LocalModel):
         return self._lengths[habit]
 
     def _score(self, text: str, name: str) -> float:
-        """Mean log-probability of the name's tokens in its gap; remembered, since agents see the same things again."""
+        """Mean log-probability of the name's tokens in the gap; cached, since agents see the same things again."""
         place = text.rindex("{}")
         whole = text[:place] + name + text[place + 2 :]
         key = (whole, place, len(name))
@@ -132,7 +132,7 @@ class MaskedModel(LocalModel):
 
     @cached_property
     def _window(self) -> int:
-        """Tokens of a text at most, with its first and last."""
+        """Longest text in tokens, including the special first and last ones."""
         positions = getattr(self._model.config, "max_position_embeddings", None) or 1 << 30
         return min(int(self._tokenizer.model_max_length), int(positions) - _UNUSED_POSITIONS)
 

@@ -1,8 +1,8 @@
 """The order in which a question lists its options, and the mean of its answers in several orders.
 
-Small models choose by place in a list nearly as much as by what stands there (Zheng et al., "Large language models are
-not robust multiple choice selectors", ICLR 2024). A seeded order keeps an option from always standing at one place; a
-question asked in an order and in its reverse is answered by the mean of both probabilities.
+Small models choose by an option's place in the list nearly as much as by the option itself (Zheng et al., "Large
+language models are not robust multiple choice selectors", ICLR 2024). A seeded order keeps an option from always having
+the same place; a question asked in an order and in its reverse is answered by the mean of both probabilities.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ucon.language.choice import Answer, Question, from_scores
 
 Order = tuple[int, ...]
 """Numbers of options, in the order in which they are listed."""
-#: As the agent lists them; in a seeded order; in that and its reverse.
+#: Largest :attr:`Orders.count`.
 MOST: Final = 2
 
 
@@ -36,10 +36,10 @@ class Orders:
             raise ConfigError(f"language.orders={brief(self.count)}: expected 0, 1 or {MOST}")
 
     def of(self, question: Question) -> list[Order]:
-        """The orders in which a question is asked; as it is where its list cannot be written anew.
+        """The orders in which a question is asked; only its own order where its list cannot be rewritten.
 
         Args:
-            question: what it says decides its order, so that it does not depend on what else is asked.
+            question: its text decides the order, so that other questions do not change it.
         """
         n = len(question.options)
         if not self.count or n < 2 or question.listed is None:
@@ -63,11 +63,11 @@ def averaged(orders: Sequence[Order], answers: Sequence[Answer]) -> Answer:
 
     Args:
         orders: of one question.
-        answers: in each of them.
+        answers: one in each of them.
 
     Returns:
-        Its option and scores count as the question's own; without a choice where one of the answers has none. Tokens
-        and seconds are added up.
+        Choice and scores refer to the question's own list; no choice if one of the answers has none. Tokens and seconds
+        are added up.
     """
     spent: dict[str, Any] = {
         "prompt_tokens": sum(a.prompt_tokens for a in answers),
@@ -77,7 +77,7 @@ def averaged(orders: Sequence[Order], answers: Sequence[Answer]) -> Answer:
     if lost := next((a for a in answers if a.choice < 0), None):
         return Answer(-1, failure=lost.failure, **spent)
     places = tuple(a.choice for a in answers)
-    if len(orders) == 1:  # to the last digit what was answered
+    if len(orders) == 1:  # exactly the answer, without rounding
         by_option = dict(zip(orders[0], answers[0].scores, strict=True))
         scores = tuple(by_option[k] for k in range(len(by_option)))
         return Answer(orders[0][places[0]], scores, places=places, **spent)

@@ -1,11 +1,11 @@
-"""Rows of tokens through a causal network, each after its own past (kept keys and values of the tokens before).
+"""Runs rows of tokens through a causal network, each after its own past (cached keys and values of earlier tokens).
 
 Pasts of different lengths are aligned at their ends; padding on the left is masked. New tokens are padded on the right,
 where no real token can see them. So a row's own keys are one contiguous stretch, which is cut out again for the next
 tokens, and its tokens have the positions that they would have alone.
 
-A row may fork: several answers stand behind one prompt, and a mask keeps each from seeing the others. So a prompt is
-read once for all its answers, and what was read before it is not copied for each.
+A row may fork: several answers follow one prompt, and a mask keeps each from seeing the others. So a prompt is read
+once for all its answers, and the past before it is not copied for each.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class PrefixReader:
     """
 
     def __init__(self, model: Any, pad: int) -> None:
-        """Take over a model.
+        """Set the model.
 
         Args:
             model: a causal model of transformers.
@@ -89,7 +89,7 @@ class PrefixReader:
         Args:
             pasts: n pasts.
             prompts: n prompts of at least one token.
-            answers: of each row, any number.
+            answers: any number for each row.
 
         Returns:
             For each row and answer (tokens + 1, V) float32: after the prompt, and after each token of the answer.
@@ -112,9 +112,9 @@ class PrefixReader:
         return [_by_answer(row[-tail - 1 :].float(), own) for row, tail, own in zip(out, tails, answers, strict=True)]
 
     def _fork(self, width: int, prompt: Ids, answers: Sequence[Ids]) -> tuple[list[int], list[int], list[int]]:
-        """A row of ``width`` tokens, padded on the left; the branch of each, and its place after the past.
+        """A row of ``width`` tokens, padded on the left; the branch of each token, and its position after the past.
 
-        The prompt is branch 0, which all see; answers count from 1; padding is -1, and sees itself alone.
+        The prompt is branch 0, which all tokens see; answers count from 1; padding is -1 and sees no other branch.
         """
         ids, branch, after = list(prompt), [0] * len(prompt), list(range(len(prompt)))
         for number, answer in enumerate(answers, 1):
@@ -154,9 +154,9 @@ class PrefixReader:
         return out.logits[:, -last:].float(), cache
 
     def _places(self, pasts: Sequence[Past], rows: Sequence[Sequence[int]]) -> dict[str, Any]:
-        """Positions (n, T) int64 of the tokens, and the mask (n, S + T) int64 of what stands before and among them.
+        """Positions (n, T) int64 of the tokens, and the mask (n, S + T) int64 of pasts and tokens.
 
-        What pads a row on the right shares its last position: beyond it a table of positions may end.
+        Padding on the right has the position of the row's last token: a table of positions may end there.
         """
         import torch
 
@@ -169,14 +169,14 @@ class PrefixReader:
         return {"position_ids": positions.to(device), "attention_mask": seen.long().to(device)}
 
     def _side_by_side(self, pasts: Sequence[Past]) -> Past:
-        """A new cache of a row each, ends aligned."""
+        """A new cache with one row per past, aligned at their ends."""
         import torch
 
         if len(pasts) == 1 and self.together and pasts[0].get_seq_length():
-            return self._cut(pasts[0], 0, 0, None)  # what comes is appended to this copy
+            return self._cut(pasts[0], 0, 0, None)  # new tokens are appended to this copy
         if all(past is pasts[0] for past in pasts):
             cache = copy.deepcopy(pasts[0])
-            # By selecting, not repeating, which recurrent states do not know.
+            # Rows are selected, not repeated: caches of recurrent states cannot repeat.
             cache.reorder_cache(torch.zeros(len(pasts), dtype=torch.long, device=self._model.device))
             return cache
         held = [past.get_seq_length() for past in pasts]
@@ -195,7 +195,7 @@ class PrefixReader:
         return cache
 
     def _cut(self, cache: Past, row: int, start: int, stop: int | None) -> Past:
-        """The past of one row; a copy, so that the others' memory is given back."""
+        """The past of one row; a copy, so that the memory of the other rows is freed."""
         out = self.nothing()
         for n, layer in enumerate(cache.layers):
             out.update(layer.keys[row : row + 1, :, start:stop], layer.values[row : row + 1, :, start:stop], n)
@@ -226,7 +226,7 @@ def reads_together(model: Any) -> bool:
 
 
 def rows_are_independent(model: Any) -> bool:
-    """Whether a row's positions mean the same beside longer rows.
+    """Whether a row's positions mean the same in a batch with longer rows.
 
     They do not where the longest row sets the frequencies of the rotary embedding.
     """

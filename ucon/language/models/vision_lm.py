@@ -1,7 +1,7 @@
 """``vision_lm``: a vision chat model on this machine, scored by :mod:`ucon.language.models.likelihood`.
 
 Every option goes through processor and model with the whole prompt. How images enter (cross-attention, patches among
-the tokens, positions in three dimensions) differs between models, and each processor's output is right for its own.
+the tokens, positions in three dimensions) differs between models, and a model's own processor prepares them correctly.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ class VisionModel(LikelihoodModel[_Ready]):
         return text.encode("utf-8", "replace").decode()
 
     def _kind(self, ready: _Ready) -> Hashable:
-        """Number and sizes of the images: processors pad images of different sizes in ways of their own."""
+        """Number and sizes of the images: processors differ in how they pad images of different sizes."""
         return tuple(image.shape for image in ready.images)
 
     def _scores(self, group: Sequence[_Ready]) -> list[NDArray[np.float64]]:
@@ -106,14 +106,14 @@ class VisionModel(LikelihoodModel[_Ready]):
             moved = {name: self._moved(value) for name, value in inputs.items()}
             keep = torch.tensor(places, device=self._model.device)
             logits = self._model(**moved, use_cache=False, logits_to_keep=keep).logits
-            if logits.shape[1] != len(places):  # a model that does not know the option gives all
+            if logits.shape[1] != len(places):  # models without this option return all positions
                 logits = logits[:, keep]
             said = logits.float().log_softmax(-1).cpu()  # (n, len(places), V)
         own = zip(said, rows, first, strict=True)
         return [self._log_prob(one[places.index(start - 1) :], row[start:]) for one, row, start in own]
 
     def _inputs(self, texts: Sequence[str], images: Sequence[Sequence[Image]]) -> dict[str, Any]:
-        """What the processor makes of texts and the images of each; all have some, or none has."""
+        """The processor's output for texts and their images; either all texts have images or none has."""
         from PIL import Image as Picture
 
         seen = [[Picture.fromarray(image) for image in own] for own in images] if any(images) else None
@@ -122,7 +122,7 @@ class VisionModel(LikelihoodModel[_Ready]):
         )
 
     def _moved(self, value: Any) -> Any:
-        """A tensor on the model's device; numbers with a fraction as the model's."""
+        """A tensor on the model's device, and in the model's dtype if it is floating-point."""
         value = value.to(self._model.device)
         return value.to(self._model.dtype) if value.is_floating_point() else value
 
@@ -152,6 +152,6 @@ class VisionModel(LikelihoodModel[_Ready]):
 
 
 def _rows(inputs: Mapping[str, Any]) -> list[list[int]]:
-    """The tokens of each text, without what pads them."""
+    """The tokens of each text, without padding."""
     pairs = zip(inputs["input_ids"], inputs["attention_mask"], strict=True)
     return [row[there.bool()].tolist() for row, there in pairs]

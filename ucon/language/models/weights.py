@@ -26,7 +26,7 @@ class LocalWeights:
         """Choose the weights.
 
         Args:
-            path: folder in Hugging Face layout, a name in the Hugging Face cache, or of a fetched model (``smollm2``).
+            path: folder in Hugging Face layout, a name in the Hugging Face cache, or a fetched model (``smollm2``).
             device: ``cpu``, ``cuda``, ``cuda:1``; ``auto`` is a GPU if there is one.
             dtype: ``float32``, ``bfloat16``, ``float16``, or ``int8`` (bitsandbytes, on a GPU).
             download: fetch a name that is not in the cache from the hub.
@@ -124,7 +124,7 @@ class LocalWeights:
         return (model if self.dtype == "int8" else model.to(self.device)).eval()
 
     def read(self, build: Callable[..., Any]) -> Any:
-        """Call ``build`` on the folder, with options that run none of its code and keep off the network.
+        """Call ``build`` on the folder, with options that run no code from it and do not use the network.
 
         Args:
             build: such as ``AutoTokenizer.from_pretrained``.
@@ -144,7 +144,7 @@ class LocalWeights:
 
     @property
     def _packaged(self) -> PackagedModel | None:
-        """The model of a package that the path names."""
+        """The packaged model that the path names, if any."""
         return MODELS.get(self.path)
 
     @property

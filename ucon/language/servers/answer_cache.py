@@ -1,4 +1,4 @@
-"""Answers of language models on disk, by the hash of the request: a rerun costs nothing and gives the same."""
+"""Answers of language models on disk, by the hash of the request: a rerun costs nothing and gives the same answers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ucon.language.servers.answers import MOST_TOKENS, Completion
 
 
 class AnswerCache:
-    """One file an answer. A damaged file is noticed by its checksum, and its question is asked again."""
+    """One file per answer. A damaged file is noticed by its checksum, and its question is asked again."""
 
     def __init__(self, folder: Path | None = None) -> None:
         """``folder``: by default ``chat`` in the user's cache folder."""
@@ -23,13 +23,13 @@ class AnswerCache:
         self._warned = False
 
     def get(self, key: str) -> tuple[Completion, float] | None:
-        """The kept answer to a request.
+        """The cached answer to a request.
 
         Args:
             key: hash of the request.
 
         Returns:
-            The answer and the seconds it took; None where it is not kept, or damaged.
+            The answer and the seconds it took; None if it is not cached or is damaged.
         """
         path = self._path(key)
         try:
@@ -46,7 +46,7 @@ class AnswerCache:
             return None
 
     def put(self, key: str, said: Completion, seconds: float) -> None:
-        """Keep an answer; where the folder cannot be written, warn once and go on.
+        """Keep an answer; where the folder cannot be written, warn once and continue.
 
         Args:
             key: hash of the request.

@@ -134,7 +134,8 @@ class ChatClient:
             schema: JSON schema of an object. ``data`` of the reply is then an object, but the server may have ignored
                 the schema: validate it.
             seed: added to the client's, for another answer to the same question.
-            usable: decides whether a text is an answer, instead of being JSON of ``schema``; ``data`` may then be None.
+            usable: decides whether a text is an answer; by default it must be JSON of ``schema``. With it, ``data`` may
+                be None.
             limits: of attempts and wall time; by default the client's attempts, each with its timeout.
 
         Raises:

@@ -144,7 +144,7 @@ class ChatRequest:
 
     def _send(self, structured: bool) -> Outcome:
         client, payload = self._client, dict(self._payload)
-        # The same seed would bring the same unusable answer.
+        # The same seed would give the same unusable answer.
         payload["seed"] = (payload["seed"] + self._unusable) % 2**31
         if structured:
             schema = {"name": "answer", "strict": True, "schema": self._schema}
@@ -243,7 +243,7 @@ def _required(schema: Mapping[str, Any] | None) -> tuple[str, ...]:
 
 
 def _in_words(messages: list[dict[str, Any]], schema: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """The conversation with the schema told in the last message."""
+    """The conversation with the schema described in the last message."""
     told = "Answer with one JSON object of this JSON schema and with nothing else:\n" + canonical_json(schema)
     content = messages[-1]["content"]
     if isinstance(content, str):

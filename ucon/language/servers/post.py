@@ -68,7 +68,7 @@ def checked_url(base_url: str) -> str:
 def post_json(url: str, payload: dict[str, Any], headers: dict[str, str], timeout_s: float) -> Outcome:
     """POST a JSON payload and read the whole response within a time limit.
 
-    A socket's timeout limits each read but no name look-up. So the exchange has a thread of its own, which is abandoned
+    A socket's timeout limits each read but not the name look-up. So the exchange has its own thread, which is abandoned
     when the time is up.
 
     Args:
@@ -116,7 +116,7 @@ def _exchange(request: urllib.request.Request, timeout_s: float) -> Outcome:
     except urllib.error.URLError as error:
         bad_certificate = isinstance(error.reason, ssl.SSLCertVerificationError)
         return Outcome(None, problem=_why(error.reason, timeout_s), hopeless=bad_certificate)
-    except (OSError, http.client.HTTPException, ValueError) as error:  # ValueError: a header that is none
+    except (OSError, http.client.HTTPException, ValueError) as error:  # ValueError: an invalid header
         return Outcome(None, problem=_why(error, timeout_s))
 
 

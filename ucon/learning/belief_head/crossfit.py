@@ -153,7 +153,7 @@ def _fitted(
 ) -> fit.Arrays:
     """Fit prior, gate and place encoder on ``rest``.
 
-    The prior of relations stays the shipped one, as it counts over all.
+    The prior of relations stays the shipped one, which is counted over all train categories.
 
     Returns:
         Arrays by name, with ``logits`` of the sentences of ``own``.

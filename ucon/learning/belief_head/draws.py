@@ -1,9 +1,8 @@
 """Training samples of the belief head: a knowledge base, some of its targets with habit levels, and their true places.
 
-To make the head read sentences in place of recalling what is usual, samples are augmented. Anchors may exchange names
-(the truth and everything the habits say about a place move with the place; the name and its prior do not). Anchors may
-be treated as unknown, or be left out of the candidates (their probability then belongs to "unseen"). Habits may be left
-out.
+To make the head read sentences instead of recalling what is usual, samples are augmented. Anchors may exchange names
+(the truth and what the habits say stay with the place; the prior goes with the name). Anchors may be treated as
+unknown, or be left out of the candidates (their probability then belongs to "unseen"). Habits may be left out.
 """
 
 from __future__ import annotations
@@ -124,7 +123,7 @@ def truth_of(
 ) -> Truth:
     """Labels of T targets: the distribution that placements are drawn from, and which habits are about each target.
 
-    A habit that supports no placement has a small weight in the relevance: half of them do not tell what they are
+    A habit that supports no placement has a small weight in the relevance: half of these do not say what they are
     about.
 
     Args:

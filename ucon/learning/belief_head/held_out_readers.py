@@ -1,8 +1,8 @@
 """Readers of the belief head's training sentences, each fitted without the sentences that it reads.
 
 The habit book's train categories are dealt into folds (:mod:`ucon.learning.belief_head.crossfit`). A dataset bound to
-scenes has a prior of its own, fitted on the (scene, category) pairs that are not asked about. With ``scene_evidence``
-it also has a reader of places of its own (:mod:`ucon.fitting.scene_evidence`), fitted in the same way.
+scenes has its own prior, fitted on the (scene, category) pairs that are not asked about. With ``scene_evidence`` it
+also has its own reader of places (:mod:`ucon.fitting.scene_evidence`), fitted in the same way.
 """
 
 from __future__ import annotations
@@ -60,9 +60,9 @@ def folds_of(dataset: HabitDataset, n_folds: int, used_folds: int | None, scene_
 
 
 def parts_of(dataset: HabitDataset, scene_evidence: bool = False) -> FittedParts:
-    """The fitted parts that read for the head in use.
+    """The fitted parts that the trained head is used with.
 
-    Those of the dataset where it is bound to scenes, else the shipped ones.
+    They are the dataset's own if it is bound to scenes, else the shipped ones.
     """
     return own_parts(dataset, scene_evidence) if dataset.scenes else default_parts()
 

@@ -59,7 +59,7 @@ class KnowledgeBases:
         return [name for name, entries in kb.entries.items() if all(self._part_of[e.id] == part for e in entries)]
 
     def asked(self, part: Split, seed: int, mode: Mode, pairs: Collection[Pair]) -> KnowledgeBase:
-        """A knowledge base that has at least one of the pairs: the first such one of a sequence that ``seed`` begins.
+        """A knowledge base that has at least one of the pairs: the first such one in a sequence drawn from ``seed``.
 
         Args:
             part: ``train``, ``val`` or ``test``.
@@ -80,8 +80,7 @@ class KnowledgeBases:
         """Candidate anchors of a knowledge base, sorted where the dataset is bound to scenes.
 
         The anchors of its own entries are included, also of entries outside the train part: a true place that is no
-        candidate
-        could not be predicted at all.
+        candidate could not be predicted at all.
         """
         if not self.dataset.scenes:
             return self._known

@@ -2,9 +2,9 @@
 
 The fitted parts that read sentences for the head were fitted on the habit book's train text too. So each training
 household is read by parts fitted on other categories (:mod:`ucon.learning.belief_head.crossfit`). In use, on the val
-part and on other datasets, the head stands on the shipped parts. A dataset bound to scenes has a prior of its own,
-fitted on pairs that are not asked about. A step depends only on seed and number, so a resumed run repeats an
-uninterrupted one.
+part and on other datasets, the head works with the shipped parts. A dataset bound to scenes has its own prior, fitted
+on pairs that are not asked about. A step depends only on seed and number, so a resumed run repeats an uninterrupted
+one.
 """
 
 from __future__ import annotations
@@ -58,7 +58,8 @@ class BeliefLearner(CountedSteps):
         dataset: habits; entries of ``train`` are trained on, entries of ``val`` choose the checkpoint and the
             temperature.
         draw: how training samples are drawn.
-        parts: fitted parts that read the val part, and that the head is used with; the shipped ones by default.
+        parts: fitted parts that read the val part, and that the head is used with; by default those of
+            :func:`~ucon.learning.belief_head.held_out_readers.parts_of`.
         folds: pieces of the train part with the parts that read them; fitted if not given.
         options: fields of :class:`ucon.learning.run.options.BeliefOptions`.
 

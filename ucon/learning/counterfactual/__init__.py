@@ -1,1 +1,1 @@
-"""Learning from counterfactual rollouts: what would have come of going to other views?"""
+"""Learning from counterfactual rollouts: what would going to other views have led to?"""

@@ -1,9 +1,9 @@
-"""Labels of counterfactual rollouts: what would have come of going to other views?
+"""Labels of counterfactual rollouts: what would going to other views have led to?
 
-At some decisions of a search copies of it choose each of several views, and search on by gain over cost from the next
-decision, some steps later: rollout policy improvement (Bertsekas). So a choice is worth what it is worth to a search
-that may think better of it. What is found on the way is counted for targets all over the home
-(:mod:`ucon.envs.search.twins`), so that differences between views do not hang on the luck of where one target lies.
+At some decisions of a search, copies of the search choose each of several views, and from the next decision on, some
+steps later, they search by gain over cost: rollout policy improvement (Bertsekas). So the worth of a choice is its
+worth to a search that may change its mind at the next decision. Finds are counted for targets all over the home
+(:mod:`ucon.envs.search.twins`), so that differences between views do not depend on where one target happens to lie.
 """
 
 from __future__ import annotations

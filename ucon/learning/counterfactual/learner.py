@@ -1,4 +1,4 @@
-"""``learner=counterfactual``: a network that scores views learns what would have come of going to each of them."""
+"""``learner=counterfactual``: a network that scores views learns what going to each of them would have led to."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from ucon.learning.policies.action_policy import PolicyOutputs
 from ucon.learning.run.option_checks import check
 from ucon.learning.run.protocol import Figures
 
-#: Relative worth that a unit of a logit stands for. Gain over cost, with its initial factor of 10, then begins as
-#: it fits best over all views.
+#: Relative worth that a unit of a logit stands for. With it, the initial logits, 10 times log gain over cost, have
+#: the scale that fits best over all views.
 _UNIT: Final = 0.003
-#: Decisions of less worth count as if they had so much.
+#: Mean worth that is assumed for decisions of less worth.
 _LEAST: Final = 0.005
 
 
 class CounterfactualLearner(DecisionLearner):
-    """Fits the scores of views to what came of them in rollouts; see :class:`DecisionLearner`.
+    """Fits the scores of views to their outcome in rollouts; see :class:`DecisionLearner`.
 
-    Only differences between the views of a decision are learned: what the home, the habits and the search so far make
-    of all of them alike cancels. Rollouts take long; what lies beyond views is told without any, so first that is
-    learned from many searches, and then both.
+    Only differences between the views of a decision are learned: effects of the home, the habits and the search so far
+    that are common to all views cancel out. Rollouts are slow, but what lies beyond views can be labelled without
+    them; so this is learned first, from many searches, and then both.
 
     Args:
         policy: see :class:`DecisionLearner`.
@@ -41,7 +41,7 @@ class CounterfactualLearner(DecisionLearner):
         rollouts: which decisions and views are labelled, and how.
         beyond: which decisions of further searches are labelled by what lies beyond their views.
         beyond_searches: how many such searches.
-        foresight_first: share of the steps in which nothing else is learned.
+        foresight_first: share of the steps, at the start, in which only what lies beyond views is learned.
         options: see :class:`DecisionLearner`.
     """
 
@@ -77,7 +77,7 @@ class CounterfactualLearner(DecisionLearner):
         return self.kept(self._beyond, self.options.episodes, self._beyond_searches)
 
     def loss_of_step(self, draw: np.random.Generator) -> Tensor:
-        """Loss of foresight, and after the first part of the training that of the relative worth too."""
+        """Loss of foresight and, after the first part of the training, also of the relative worth."""
         loss = foresight_loss(*self.outputs(self.drawn(self.views, draw)))
         if self._done < self._foresight_first * self.options.steps:
             return loss
@@ -93,8 +93,8 @@ class CounterfactualLearner(DecisionLearner):
         """Figures of the averaged network in homes that it was not trained on.
 
         ``foreseen``: see :func:`~ucon.learning.foresight.learner.foreseen`; ``explained``: share of the variance of the
-        relative worth within decisions; ``gain``: expected SPL by which the view that is liked best is worth more than
-        the first by gain over cost, in the mean over decisions. ``score`` is ``explained``.
+        relative worth within decisions; ``gain``: how much more expected SPL the tried view of the highest score is
+        worth than the first by gain over cost, in the mean over decisions. ``score`` is ``explained``.
         """
         s = self.validated(_sums)
         explained = 1.0 - s["off"] / max(s["spread"], 1e-9)
@@ -120,13 +120,13 @@ def relative_worth(frames: Mapping[str, Tensor]) -> tuple[Tensor, Tensor, Tensor
 def _errors(outputs: PolicyOutputs, frames: Mapping[str, Tensor]) -> tuple[Tensor, Tensor, Tensor]:
     """Errors and true values (n, V) of the relative worth, 0 where not tried, and weights (n, 1) of the decisions."""
     relative, known, weight = relative_worth(frames)
-    chosen = outputs.logits.isfinite()  # a label may be just outside of the rivals, by the rounding of what is kept
+    chosen = outputs.logits.isfinite()  # as stored values are rounded, a labelled view may be just outside the rivals
     off = centred(_UNIT * torch.where(chosen, outputs.logits, 0.0), known & chosen)
     return off - torch.where(chosen, relative, 0.0), relative, weight
 
 
 def _sums(outputs: PolicyOutputs, frames: Mapping[str, Tensor]) -> dict[str, float]:
-    """Sums over n decisions, of which the figures of a validation are made."""
+    """Sums over n decisions, from which the figures of a validation are computed."""
     off, relative, weight = _errors(outputs, frames)
     worth = frames[Rollouts.label].float()
     known, worth = ~worth.isnan(), worth.nan_to_num()

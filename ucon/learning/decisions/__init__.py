@@ -1,1 +1,1 @@
-"""Decisions of searches in training homes, with labels: searched once, kept in the cache, learned from often."""
+"""Labelled decisions of searches in training homes: played once, kept in the cache, and learned from many times."""

@@ -13,7 +13,7 @@ from ucon.search.searcher import LOYALTY
 from ucon.search.view_tokens import IS_KEPT, RIVAL
 
 Arrays = dict[str, NDArray[Any]]
-#: What of an observation is text, the same in all decisions of an episode.
+#: Entries of an observation that are text, the same in all decisions of an episode.
 TEXT: Final = ("target", "habits", "habits_relevance", "habits_mask")
 #: Smallest type that holds each kind of array; all others are float16.
 _TYPES: Final = {"map": np.uint8, "thing_rows": np.int16, "action_mask": np.uint8, "things_mask": np.uint8,
@@ -33,7 +33,7 @@ class Decisions:
 
     @classmethod
     def join(cls, parts: Sequence[Decisions]) -> Decisions:
-        """All decisions of some parts."""
+        """Join the decisions of several parts."""
         first = np.cumsum([0, *(len(next(iter(part.text.values()))) for part in parts[:-1])])
         frames = {name: np.concatenate([part.frames[name] for part in parts]) for name in parts[0].frames}
         text = {name: np.concatenate([part.text[name] for part in parts]) for name in parts[0].text}

@@ -1,7 +1,8 @@
 """Base of learners from kept decisions: a network that scores views learns from labels of single decisions.
 
-None of the decisions is its own: they are played and labelled once (:mod:`ucon.learning.decisions.store`). A step
-depends only on seed and number, so a resumed run repeats an uninterrupted one.
+The network makes none of the decisions itself: they are played by gain over cost and labelled once
+(:mod:`ucon.learning.decisions.store`). A step depends only on seed and number, so a resumed run repeats an
+uninterrupted one.
 """
 
 from __future__ import annotations
@@ -37,8 +38,8 @@ class DecisionLearner(CountedSteps):
 
     Args:
         policy: the network, such as :class:`models.habit_policy.HabitPolicy`; training starts from its present weights.
-        search: from a detector to an environment of ``UcONSearch-v0`` that tells what the labels need.
-        detectors: with which the searches are made, by name; each in as many as the others.
+        search: makes, with a detector, an environment of ``UcONSearch-v0`` that provides what the labels need.
+        detectors: detectors of the searches, by name; each is used in equally many searches.
         options: fields of :class:`ucon.learning.run.options.DecisionOptions`.
 
     Raises:
@@ -75,7 +76,7 @@ class DecisionLearner(CountedSteps):
         )  # fmt: skip
 
     labels: Labels
-    """Searches and labels."""
+    """Plays the searches and labels their decisions."""
 
     def loss(self, outputs: PolicyOutputs, frames: Mapping[str, Tensor]) -> Tensor:
         """Loss of n decisions.
@@ -113,8 +114,8 @@ class DecisionLearner(CountedSteps):
         """Labelled decisions of some searches, the same number with each detector (or one more).
 
         Args:
-            labels: searches and labels.
-            episodes: a set by name.
+            labels: plays the searches and labels their decisions.
+            episodes: name of a set.
             searches: how many in all.
         """
         o, n = self.options, len(self._makers)
@@ -152,7 +153,7 @@ class DecisionLearner(CountedSteps):
         return self.loss(*self.outputs(self.drawn(self.decisions, draw)))
 
     def drawn(self, decisions: Decisions, draw: np.random.Generator) -> dict[str, Tensor]:
-        """A batch of some decisions; half of all batches are mirrored, if so chosen.
+        """Draw a batch of decisions; with the option ``mirror``, half of all batches are mirrored.
 
         Args:
             decisions: to take them from.
@@ -173,7 +174,7 @@ class DecisionLearner(CountedSteps):
     def validated(
         self, measure: Callable[[PolicyOutputs, Mapping[str, Tensor]], Mapping[str, float]]
     ) -> dict[str, float]:
-        """Sums of what ``measure`` says of batches of the validation decisions, by the averaged network."""
+        """Sums of the figures of ``measure`` over batches of the validation decisions, with the averaged network."""
         every, batch, sums = len(self.validation), self.options.batch, dict[str, float]()
         self.network.eval()
         with self.updates.averaged(), torch.no_grad():

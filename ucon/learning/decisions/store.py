@@ -22,20 +22,20 @@ from ucon.learning.run.kept_batches import code_hash, kept_batches, read_batch
 from ucon.task.episode import Episode
 from ucon.task.sets import load_episodes
 
-#: Code that decides what a decision is and how the search goes on.
+#: Code that decides what a decision is and how the search continues.
 _CODE: Final = ("search", "perception", "envs/search", "learning/decisions/decisions.py")
 MakeEnv = Callable[[], Any]
 
 
 class Labels(Protocol):
-    """Searches an episode and labels its decisions. Its ``repr`` says all that the labels depend on beside code."""
+    """Searches an episode and labels its decisions; its ``repr`` gives all that the labels depend on besides code."""
 
     name: ClassVar[str]
-    """Folder in the cache, and name of the random numbers."""
+    """Name of the folder in the cache, and of the random stream."""
     label: ClassVar[str]
     """Name of the label among the frames."""
     searches: ClassVar[int]
-    """Searches of one file."""
+    """Number of searches per file."""
     code: ClassVar[tuple[str, ...]]
     """Source files below ``ucon/`` that decide the labels."""
 
@@ -50,10 +50,10 @@ def kept_decisions(
     """Decisions of some searches, in the order of the searches.
 
     Args:
-        labels: searches and labels; can be pickled.
-        episodes: a set by name; drawn from it, and drawn anew when all came up.
+        labels: plays the searches and labels their decisions; can be pickled.
+        episodes: name of a set; its episodes are played in random order, and in a new order after each pass.
         searches: how many.
-        make: makes an environment of ``UcONSearch-v0`` that tells what the labels need.
+        make: makes an environment of ``UcONSearch-v0`` that provides what the labels need.
         levels: habit levels, taken in turn.
         seed: of the draw.
         workers: processes; the result does not depend on it.

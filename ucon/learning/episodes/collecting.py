@@ -1,4 +1,4 @@
-"""Plays whole episodes with the policy alone, many at once, and keeps how likely its actions were.
+"""Plays whole episodes with the policy alone, many at once, and records the log-probabilities of its actions.
 
 A collection is cut into parts of a fixed size. Each is a function of weights, seed and its numbers alone, so it is the
 same whichever process plays it.

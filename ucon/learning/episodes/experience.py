@@ -32,14 +32,14 @@ class Experience(Trajectory):
     advantage: Floats
     """(T,) float32 generalised advantage of each action (Schulman et al., 2016)."""
     target: Floats
-    """(T,) float32 return that the value should have told: advantage plus the value when it was played."""
+    """(T,) float32 return that the value should have predicted: advantage plus the value when it was played."""
     success: bool
     spl: float
     gained: float = 0.0
     """Discounted rewards of the whole episode."""
 
     def to_json(self) -> list[Any]:
-        """As of a trajectory, then the arrays as base64 of little-endian float32, success, SPL and what was gained.
+        """As for a trajectory, then the arrays as base64 of little-endian float32, success, SPL and ``gained``.
 
         Last is ``led``.
         """
@@ -70,10 +70,10 @@ def discounted(rewards: Floats, discount: float) -> float:
 
 
 def compared(experience: Sequence[Experience], repeats: int, by: str) -> list[Experience]:
-    """Experience in which all actions of an episode have one advantage: how much better it came out than when repeated.
+    """Experience with one advantage for all actions of an episode: how much better it went than its repetitions.
 
-    Most of what comes of an episode is decided by where the target is: the returns of two plays of one ``val`` episode
-    by the shipped end-to-end policy correlate by .88, and its value foretells .17 of their variance. The mean of the
+    The outcome of an episode depends mostly on where the target is: the returns of two plays of one ``val`` episode by
+    the shipped end-to-end policy correlate at .88, and its value predicts .17 of their variance. The mean of the
     *other* plays of the same episode is a baseline that leaves the gradient unbiased (Kool, van Hoof and Welling 2019).
 
     Args:
@@ -117,7 +117,7 @@ def experience_from_json(rows: Any, episodes: Mapping[str, Episode]) -> list[Exp
         episodes: known episodes by id.
 
     Raises:
-        DataError: a row of another form, of an unknown episode, or with arrays that cannot be.
+        DataError: a row of another form, of an unknown episode, or with impossible arrays.
     """
     width = _FIELDS + len(_ARRAYS) + 3
     if not isinstance(rows, list) or not all(isinstance(row, list) and len(row) in (width, width + 1) for row in rows):

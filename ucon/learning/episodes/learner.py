@@ -1,8 +1,9 @@
 """``learner=ppo_episodes``: PPO on whole episodes, for policies over the seven actions with a large memory.
 
-``learner=ppo`` keeps the memory of every step, so that updates can begin anywhere; that of a policy with a map is a
-megabyte. Here a collection is whole episodes, played many at once by workers while the policy learns from the last one;
-an update reads each of them from its beginning, as imitation does (:mod:`ucon.learning.policies.sequences`).
+``learner=ppo`` stores the recurrent state of every step, so that updates can begin anywhere; the state of a policy with
+a map takes a megabyte. Here a collection consists of whole episodes, which workers play, many at once, while the policy
+learns from the last collection. An update reads each episode from its beginning, as imitation does
+(:mod:`ucon.learning.policies.sequences`).
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ class EpisodePPOLearner(CollectingLearner):
         if self.validation.choose not in ("success_rate", "spl"):
             raise ConfigError(f"learner.validation.choose={self.validation.choose}: expected success_rate or spl")
         self._new: Figures = {}
-        """Figures of the newest collection, until they were logged."""
+        """Figures of the newest collection, until they are logged."""
 
     @property
     def per_iteration(self) -> int:
@@ -72,7 +73,7 @@ class EpisodePPOLearner(CollectingLearner):
         return super().job(item // self.rollouts.repeats)
 
     def weights_that_play(self) -> dict[str, Tensor]:
-        """A copy of the present weights and buffers, on the CPU: it learns from what *they* do."""
+        """A copy of the present weights and buffers, on the CPU: PPO learns from *their* actions, not the average's."""
         return {name: value.detach().cpu().clone() for name, value in self.policy.state_dict().items()}
 
     def parts(self, iteration: int, jobs: Sequence[Job], weights: Mapping[str, Tensor]) -> Sequence[EpisodePart]:
@@ -96,7 +97,7 @@ class EpisodePPOLearner(CollectingLearner):
         }
 
     def read(self, rows: Any, episodes: Mapping[str, Episode]) -> list[Trajectory]:
-        """Experience of a state, not trusted."""
+        """Read the experience in a state, which is not trusted."""
         return list(experience_from_json(rows, episodes))
 
     def batches(self) -> Iterator[Sequence[Trajectory | Job]]:
@@ -108,14 +109,14 @@ class EpisodePPOLearner(CollectingLearner):
             yield [self.collected[int(k)] for k in np.array_split(order, per_epoch)[number]]
 
     def prepared(self, pairs: list[tuple[Trajectory, Replay]]) -> list[tuple[Trajectory, Replay]]:
-        """With log-probabilities, advantages and targets among the frames."""
+        """The pairs with log-probabilities, advantages and targets among the frames."""
         return [(one, with_experience(replay, cast(Experience, one))) for one, replay in pairs]
 
     def augment(self, batch: Batch, seed: int) -> None:
-        """Nothing: it would change the probabilities of what was done."""
+        """Do nothing: augmentation would change the probabilities of the recorded actions."""
 
     def train_mode(self) -> None:
-        """As it plays, so that ratios of probabilities begin at 1."""
+        """Put the policy into the mode in which it plays, so that ratios of probabilities begin at 1."""
         eval_mode_except_rnn(self.policy)
 
     def step(self) -> dict[str, float]:
@@ -124,7 +125,7 @@ class EpisodePPOLearner(CollectingLearner):
         Returns:
             The figures of the loss, ``gradient``, ``rate`` and ``frames``; after a new collection also its mean
             ``success_rate``, ``spl`` and ``steps``, and ``explained``, the share of the variance of the value's targets
-            that it had foretold.
+            that the value had predicted.
 
         Raises:
             DivergedError: a loss or gradient that is not finite.
@@ -160,7 +161,7 @@ class EpisodePPOLearner(CollectingLearner):
 
 
 def _explained(made: Sequence[Experience]) -> float | None:
-    """Share of the variance of the value's targets that the value had foretold; None where they are all alike."""
+    """Share of the variance of the value's targets that the value had predicted; None if all targets are equal."""
     targets = np.concatenate([one.target for one in made]).astype(np.float64)
     surprises = np.concatenate([one.advantage for one in made]).astype(np.float64)
     return float(1 - surprises.var() / targets.var()) if targets.var() > 0 else None

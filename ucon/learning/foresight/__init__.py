@@ -1,1 +1,1 @@
-"""Foresight: learning from labelled decisions by how much each view shortens the way to the target."""
+"""Foresight: learning what lies beyond each view from labelled decisions."""

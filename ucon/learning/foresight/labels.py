@@ -1,4 +1,4 @@
-"""Labels of foresight: what lies beyond each view of a decision, told by twins of the episode."""
+"""Labels of foresight: what lies beyond each view of a decision, computed from twins of the episode."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ucon.learning.decisions.decisions import TEXT, Arrays, Decisions, by_gain_o
 from ucon.learning.run.option_checks import check
 from ucon.task.episode import Episode
 
-#: A search ends where targets are left with less than this probability: choices hardly matter any more.
+#: A search ends when the target is still unfound with less than this probability: choices hardly matter any more.
 LEAST_LEFT: Final = 0.03
 
 
@@ -39,7 +39,7 @@ class Beyond:
         check("above 0, at most 1", lambda x: 0 < x <= 1, (int, float), **{"beyond.share": self.share})
 
     def __call__(self, env: Any, episode: Episode, level: str, draw: np.random.Generator) -> Decisions | None:
-        """Search one episode by gain over cost, the policy that an untrained ``habit_policy`` plays.
+        """Search one episode by gain over cost, as an untrained ``habit_policy`` does, and label some decisions.
 
         Args:
             env: an environment of :class:`ucon.envs.search.twin_env.TwinSearchEnv`.
@@ -48,8 +48,8 @@ class Beyond:
             draw: random numbers of this search.
 
         Returns:
-            Labelled decisions; None where there are none. ``beyond`` (n, V, R) is the share of the places left where
-            the target may be that lies within each distance of each view.
+            Labelled decisions; None where there are none. ``beyond`` (n, V, R) is the share of the target's remaining
+            probability that lies within each of R numbers of moves from each view.
         """
         kept: list[Arrays] = []
         observation, _ = env.reset(options={"episode": episode, "habit_level": level})

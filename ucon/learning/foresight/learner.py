@@ -13,7 +13,7 @@ from ucon.learning.foresight.labels import Beyond
 from ucon.learning.policies.action_policy import PolicyOutputs
 from ucon.learning.run.protocol import Figures
 
-#: Smaller shares count as if they were this one: their logarithm would outweigh what matters.
+#: Smaller shares are raised to this one: otherwise their logarithms would outweigh what matters.
 _LEAST: Final = 1e-3
 
 
@@ -63,7 +63,7 @@ def foresight_loss(outputs: PolicyOutputs, frames: Mapping[str, Tensor]) -> Tens
 
 
 def foresight_sums(outputs: PolicyOutputs, frames: Mapping[str, Tensor]) -> dict[str, float]:
-    """Sums over n decisions, of which :func:`foreseen` makes the shares of variance."""
+    """Sums over n decisions, from which :func:`foreseen` computes the shares of variance."""
     off, truth, offered = _errors(outputs, frames)
     out = {}
     for k in range(truth.shape[-1]):
@@ -73,7 +73,7 @@ def foresight_sums(outputs: PolicyOutputs, frames: Mapping[str, Tensor]) -> dict
 
 
 def foreseen(sums: Mapping[str, float]) -> dict[str, float]:
-    """``foreseen``: share of the variance within decisions that is explained, in the mean over the distances."""
+    """``foreseen``: share of the variance within decisions that is explained, averaged over the numbers of moves."""
     spreads = {name.removeprefix("spread "): value for name, value in sums.items() if name.startswith("spread ")}
     shares = [1.0 - sums[f"off {k}"] / max(spread, 1e-9) for k, spread in spreads.items()]
     return {"foreseen": round(sum(shares) / len(shares), 5)}

@@ -60,7 +60,7 @@ class Collector:
         precision: of the passes of the policy that plays; None: float32.
 
     Attributes:
-        replayer: plays trajectories again; the expert labels views anew, if the policy learns from them.
+        replayer: plays trajectories again; the expert labels their views again, if the policy learns from them.
     """
 
     def __init__(

@@ -1,8 +1,8 @@
 """Learners that collect what they learn from, by playing: workers play the next collection while the policy learns.
 
-The weights that play a collection are those from when the last one began to be learned from. They are part of the
-learner's state, as are the collected trajectories, stored as strings. Their frames are kept while there is memory, else
-made by playing the actions again.
+A collection is played with the weights that the policy had when it began to learn from the collection before. These
+weights are part of the learner's state, as are the collected trajectories, stored as strings. The frames of the
+trajectories are kept while there is memory, and otherwise made by playing the actions again.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class CollectingLearner(ImitationLearner):
 
     @property
     def resolved_options(self) -> Mapping[str, str | int]:
-        """As of imitation, and ``play_device``."""
+        """As for imitation, and ``play_device``."""
         return {**super().resolved_options, "play_device": self.play_device}
 
     @property
@@ -146,7 +146,7 @@ class CollectingLearner(ImitationLearner):
         return trajectories_from_json(rows, episodes)
 
     def lengthen(self, steps: int) -> bool:
-        """As of imitation; collections are asked for until then."""
+        """As for imitation; collections are asked for until then."""
         self._length = steps
         return super().lengthen(steps)
 
@@ -156,7 +156,7 @@ class CollectingLearner(ImitationLearner):
         self._ahead = []
 
     def _collect(self, iteration: int) -> None:
-        """Collect, and keep what came of it.
+        """Play a collection and keep it.
 
         It depends only on the weights that play, the seed and the number of the collection.
         """

@@ -2,10 +2,10 @@
 
 Plain imitation shows only states along shortest paths; a policy that leaves them has never seen what to do next. Every
 ``per_iteration`` steps, a mixture of policy and expert plays some episodes, the expert labels every step, and these
-trajectories join those collected before (DAgger: Ross, Gordon and Bagnell 2011). The expert knows the home, or searches
-as an agent that sees what the policy sees (:mod:`ucon.learning.imitation.experts`).
+trajectories join those collected before (DAgger: Ross, Gordon and Bagnell 2011). The expert either knows the home, or
+is an agent that searches with what the policy sees (:mod:`ucon.learning.imitation.experts`).
 
-Who plays when: :mod:`ucon.learning.imitation.collecting_learner`.
+When collections are played, and with which weights: :mod:`ucon.learning.imitation.collecting_learner`.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class DaggerRollouts(Rollouts):
     mixture: float = 0.5
     """The expert acts with probability ``mixture ** iteration``: 1 in the first collection, then less each time."""
     least: float = 0.0
-    """But with at least this probability."""
+    """Least probability with which the expert acts."""
     temperature: float = 1.0
     """The policy's actions are sampled at this temperature; 0: the action with the highest logit."""
 
@@ -58,7 +58,7 @@ class DaggerRollouts(Rollouts):
 
 
 class DaggerLearner(CollectingLearner):
-    """Imitation learner that is told what to do where it went (see the module).
+    """Imitation learner whose expert labels the states that the policy itself reaches (see the module).
 
     Args:
         rollouts: how much is collected, and with which mixture.
@@ -88,13 +88,13 @@ class DaggerLearner(CollectingLearner):
 
     @property
     def identity(self) -> Mapping[str, str]:
-        """As of imitation, and the ``expert``, where it has anything of its own."""
+        """As for imitation, and ``expert`` if its labels depend on anything besides the episodes."""
         shown = self.expert.fingerprint()
         return {**super().identity, **({"expert": shown} if shown else {})}
 
     @property
     def teacher(self) -> str:
-        """Who says what to do, in words."""
+        """The expert in words, for the model card."""
         return self.expert.title
 
     @property
@@ -131,12 +131,12 @@ class DaggerLearner(CollectingLearner):
         ]
 
     def keep(self, made: Sequence[Trajectory]) -> None:
-        """Nothing that was labelled is forgotten."""
+        """Add the trajectories of a collection; none are ever dropped."""
         self.collected += made
 
     @property
     def resolved_options(self) -> Mapping[str, str | int]:
-        """As of other learners that collect, and ``play_precision``."""
+        """As for other learners that collect, and ``play_precision``."""
         return {**super().resolved_options, "play_precision": str(self._play_precision).removeprefix("torch.")}
 
     @property

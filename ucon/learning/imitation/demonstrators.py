@@ -41,11 +41,11 @@ class Demonstrator(Protocol):
         ...
 
     def fingerprint(self) -> str:
-        """Hash or name of everything beside the episodes that its trajectories depend on; "" for nothing."""
+        """Hash or name of everything besides the episodes that its trajectories depend on; "" for nothing."""
         ...
 
     def cache_key(self) -> str:
-        """Hash of all that its trajectories depend on, code included; "": they are not worth keeping."""
+        """Hash of all that its trajectories depend on, code included; "" if they are not to be kept in the cache."""
         ...
 
     def close(self) -> None:
@@ -63,7 +63,7 @@ class Demonstrator(Protocol):
 
 
 def check_agent(agent: Agent, option: str) -> None:
-    """Refuse what is no agent, or an agent that cannot play.
+    """Refuse an object that is no agent, or an agent that cannot play.
 
     Args:
         agent: of a configuration.
@@ -97,7 +97,7 @@ class SolutionDemonstrator:
         return ""
 
     def cache_key(self) -> str:
-        """Empty: the solutions are at hand."""
+        """Empty: the solutions are stored with the episodes."""
         return ""
 
     def close(self) -> None:

@@ -34,16 +34,16 @@ class Corrector(Protocol):
         ...
 
     def fingerprint(self) -> str:
-        """Hash or name of everything beside the episodes that its labels depend on; "" for nothing."""
+        """Hash or name of everything besides the episodes that its labels depend on; "" for nothing."""
         ...
 
     def begin(self, slot: int, episode: Episode, env: Any, info: Info) -> None:
-        """An episode begins in a slot.
+        """Begin an episode in a slot.
 
         Args:
-            slot: its number; what it played before is over.
-            episode: that begins.
-            env: that plays it, after the reset.
+            slot: number of the slot; its previous episode is over.
+            episode: the episode.
+            env: the environment that plays it, after the reset.
             info: of the reset.
         """
         ...
@@ -59,7 +59,7 @@ class Corrector(Protocol):
         ...
 
     def views(self, slot: int) -> Label:
-        """What it thought of views when it last said an action; see :data:`ucon.learning.imitation.view_labels.Label`.
+        """Its scores of views when it last gave an action; see :data:`ucon.learning.imitation.view_labels.Label`.
 
         Args:
             slot: number of the slot.
@@ -92,7 +92,7 @@ class KnowingExpert:
         return expert.action(env.unwrapped.search)
 
     def views(self, slot: int) -> Label:
-        """Nothing: it values no views."""
+        """An empty label: it scores no views."""
         return no_views()
 
 
@@ -100,8 +100,8 @@ class SearchingExpert:
     """An agent that searches, and is shown the policy's own frames: it knows no more than the policy does.
 
     Args:
-        agent: such as ``habit_policy`` or ``belief``; plays many episodes at once. It must bear that something else is
-            done than it said.
+        agent: such as ``habit_policy`` or ``belief``; plays many episodes at once. It must cope with actions being
+            taken that it did not choose.
 
     Raises:
         ConfigError: ``agent`` has no ``reset`` and ``act``.
@@ -125,6 +125,6 @@ class SearchingExpert:
         return Action(self._agent.act([observation], [info], [slot])[0])
 
     def views(self, slot: int) -> Label:
-        """The agent's scores of views; nothing where it has none."""
+        """The agent's scores of views; an empty label where it has none."""
         found = self._agent.decided(slot) if isinstance(self._agent, Decides) else None
         return no_views() if found is None else views_label(*found)

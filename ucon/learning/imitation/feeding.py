@@ -4,8 +4,8 @@ Batches come in the order in which they are asked for, with the same content for
 kept compressed until the granted memory is full. None is ever evicted: learners pass over the same trajectories again
 and again, and evicting the oldest would make every look-up miss.
 
-What a worker plays depends on what it was asked for alone. So where one is lost, all are replaced, and those pieces of
-work that are not done are asked for again.
+What a worker plays depends only on what it was asked for. So if one is lost, all are replaced, and the pieces of work
+that are not done are asked for again.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class Collector(Protocol):
 
 
 _replayer: Replayer | None = None
-#: Looks for a dead worker, and seconds between them.
+#: How often a dead worker is looked for, and seconds between two looks.
 _LOOKS, _LOOK_S = 20, 0.05
 _demonstrator: Demonstrator | None = None
 _collector: Collector | None = None
@@ -86,7 +86,7 @@ class _Asked:
     @property
     def lost(self) -> bool:
         """Whether no worker will do it any more, or none has done it yet."""
-        if not self.answer.done() or self.answer.cancelled():  # as what a pool had not begun when it was ended
+        if not self.answer.done() or self.answer.cancelled():  # cancelled: not begun when its pool was ended
             return True
         return isinstance(self.answer.exception(), BrokenProcessPool)
 
@@ -99,7 +99,7 @@ class Feeder:
             on the device of its parameters.
         make_env: makes an environment of ``UcON-v0``; pickled and sent to workers.
         workers: number of processes that play; 0 plays in this one.
-        demonstrator: shows what to do in jobs; plays them where the replays are played, each only once.
+        demonstrator: plays the demonstrations of jobs, in the processes that play the replays, each only once.
         collector: plays parts of collections, in the same processes.
         memory_bytes: memory for kept replays, compressed.
         worker_timeout_s: seconds that workers may take for the replay that is needed next.
@@ -154,7 +154,7 @@ class Feeder:
                 player.close()
 
     def _end_workers(self, pool: ProcessPoolExecutor) -> None:
-        """Kill them: they may be stopped (SIGSTOP), and what they are at is not needed any more."""
+        """Kill the workers: they may be stopped (SIGSTOP), and what they are doing is no longer needed."""
         pool.shutdown(wait=False, cancel_futures=True)
         for worker in self._workers():
             worker.kill()
@@ -166,7 +166,7 @@ class Feeder:
         self._kept.clear()
 
     def begin_collecting(self, parts: Sequence[Any]) -> list[Callable[[], list[Trajectory]]]:
-        """Have the workers play parts of a collection while the learner goes on.
+        """Have the workers play parts of a collection while the learner continues.
 
         Returns:
             For each part, a function that waits for it, keeps its replays while there is memory, and returns its
@@ -207,7 +207,7 @@ class Feeder:
         Raises:
             LearnerWorkerError: a worker was killed, or did not answer within ``worker_timeout_s``, and workers were
                 replaced too often.
-            DataError: a trajectory whose actions go on after the episode's end.
+            DataError: a trajectory whose actions continue after the episode's end.
         """
         waiting: deque[list[tuple[Trajectory | Job, _Asked | None]]] = deque()
         for batch in batches:
@@ -218,7 +218,7 @@ class Feeder:
             yield [self._receive(item, played) for item, played in left]
 
     def _submit(self, item: Trajectory | Job) -> tuple[Trajectory | Job, _Asked | None]:
-        """Submit what is not in memory to the workers, if there are any; jobs shown before become trajectories."""
+        """Submit what is not in memory to the workers, if there are any; known demonstrations replace their jobs."""
         if isinstance(item, Job):
             item = self._shown.get(item) or item
         if self._pool is None or (isinstance(item, Trajectory) and self._key(item) in self._kept):
@@ -237,7 +237,7 @@ class Feeder:
             return asked
 
     def _answer(self, work: Callable[[Any], Any], item: Any) -> Future[Any]:
-        """The answer of a worker, to come."""
+        """Submit ``work(item)`` to the pool; returns the future with the answer."""
         assert self._pool is not None
         answer = self._pool.submit(work, item)
         self._started |= self._pool._processes or {}
@@ -246,8 +246,8 @@ class Feeder:
     def _lost(self) -> LearnerWorkerError:
         """The error that names the worker whose death broke the pool.
 
-        The pool's own thread waits for its dead at the same time, and until it has noted how one ended, that one looks
-        alive; so it is looked for some times.
+        The pool's own thread also waits for dead workers, and until it has noted how one ended, that worker looks
+        alive; so this looks several times.
         """
         for _ in range(_LOOKS):
             if (lost := lost_worker(self._workers(), killed_only=False)) is not None:
@@ -346,7 +346,7 @@ def _begin(
 
 
 def _replayer_of(policy: Any, make_env: Callable[[], Any], collector: Collector | None) -> Replayer:
-    """The collector's, whose expert labels views anew; without a collector one that plays alone."""
+    """The collector's replayer, whose expert labels views again; without a collector, one that has no expert."""
     return Replayer(policy, make_env) if collector is None else collector.replayer
 
 
@@ -358,7 +358,7 @@ def _collect(part: Any) -> list[tuple[Trajectory, bytes]]:
 
 
 def _work(item: Trajectory | Job) -> Played:
-    """Replay one trajectory in a worker, or show a job and replay that."""
+    """Replay one trajectory in a worker, or the demonstration of a job."""
     if _replayer is None:
         raise RuntimeError("a worker without an environment")
     return _played(item, _demonstrator, _replayer)

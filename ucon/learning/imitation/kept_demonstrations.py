@@ -32,7 +32,7 @@ class KeptDemonstrations:
         self._actions: dict[tuple[str, str], str] = {}
         self._torn = False
         if self._file is not None and self._file.is_file():
-            # A line that was not written to its end, or by somebody else, is as good as none: it is played again.
+            # A line that is incomplete or of another form is ignored: its demonstration is played again.
             text = self._file.read_text("utf-8", errors="replace")
             self._torn = not text.endswith("\n")
             for line in text.splitlines():
@@ -48,7 +48,7 @@ class KeptDemonstrations:
         return None if actions is None else Trajectory(job.episode, job.level, actions, actions)
 
     def keep(self, job: Job, trajectory: Trajectory) -> None:
-        """Keep what was played; in memory alone where it cannot be written, as on a full disk."""
+        """Keep what was played; only in memory if it cannot be written, as on a full disk."""
         if _key(job) in self._actions:
             return
         self._actions[_key(job)] = trajectory.actions

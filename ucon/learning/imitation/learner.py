@@ -130,7 +130,7 @@ class ImitationLearner:
     def resolved_options(self) -> Mapping[str, str | int]:
         """Values chosen for options given as ``auto``, by option: ``device``, ``precision``, ``batch``.
 
-        The run stores them, so that it goes on with the same values on another machine.
+        The run stores them, so that it continues with the same values on another machine.
         """
         precision = str(self._precision).removeprefix("torch.")
         return {"device": self.device, "precision": precision, "batch": self.batch}
@@ -158,8 +158,8 @@ class ImitationLearner:
         """Learn from one batch.
 
         Returns:
-            The figures of the loss, ``gradient`` (norm before clipping), ``rate``, ``frames``
-            (trained on so far) and ``labels`` (different ones so far).
+            The figures of the loss, ``gradient`` (norm before clipping), ``rate``, ``frames`` (trained on so far) and
+            ``labels`` (different ones so far).
 
         Raises:
             DivergedError: a loss or gradient that is not finite.
@@ -196,7 +196,7 @@ class ImitationLearner:
     def validate(self) -> Figures:
         """Loss and accuracy on validation demonstrations, SR and SPL of the policy's own play, and ``score``.
 
-        All are of the moving average of the weights.
+        All are figures of the averaged weights.
         """
         with self.updates.averaged():
             self.policy.eval()
@@ -256,7 +256,7 @@ class ImitationLearner:
 
     @property
     def teacher(self) -> str:
-        """Who shows what to do, in words."""
+        """The demonstrator in words, for the model card."""
         return self.demonstrator.title
 
     def card(self) -> Card:
@@ -283,8 +283,8 @@ class ImitationLearner:
         """Update the policy on a batch, once or every few chunks.
 
         Returns:
-            (n_sums,) float64 on the CPU, the sums that the loss makes figures of; and the figures of the updates, means
-            over them.
+            Sums (n_sums,) float64 on the CPU, from which the loss computes figures; and the figures of the updates, as
+            means over the updates.
         """
         n_chunks, chunks = self._chunks(batch)
         every = self.options.update_every or n_chunks
@@ -302,7 +302,7 @@ class ImitationLearner:
     def _chunks(self, batch: Batch) -> tuple[int, Iterator[Chunk]]:
         """Number of chunks of a batch, and the chunks.
 
-        They are of consecutive steps; for a policy without memory of steps drawn from all its episodes.
+        They hold consecutive steps or, for a policy without memory, steps drawn from all episodes of the batch.
         """
         steps = self.options.chunk
         if self.act.initial_state(1):
@@ -312,7 +312,7 @@ class ImitationLearner:
         return -(-sum(batch.lengths) // steps), batch.mixed(steps, seed)
 
     def _passed(self, batch: Batch, chunks: Iterator[Chunk]) -> Iterator[tuple[Tensor, Tensor]]:
-        """Forward pass over a batch: of each chunk its share of the loss, and the sums that figures are made of."""
+        """Forward pass over a batch: for each chunk its share of the loss, and the sums for the figures."""
         scale = self.loss.scale(batch)
         state: Mapping[str, Tensor] = self.act.initial_state(len(batch.lengths))
         kind = torch.device(self.device).type

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from ucon.learning.policies.action_policy import ActionPolicy
 
-#: Slot of the expert along a trajectory; players have those from 0 up.
+#: Slot of the expert in replays; players have those from 0 up.
 _SLOT: Final = -1
 
 
@@ -30,7 +30,7 @@ class Replayer:
     Args:
         policy: its ``context`` and ``frame`` are called; its weights do not matter.
         make_env: makes an environment of ``UcON-v0``; called when the first trajectory comes.
-        expert: labels views along the trajectory anew; None: nothing does.
+        expert: labels views along the trajectory again; None: no views are labelled.
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class Replayer:
             Context arrays (...), frame arrays (T, ...) and rewards (T,) float32.
 
         Raises:
-            DataError: its actions go on after the episode's end.
+            DataError: its actions continue after the episode's end.
         """
         if self._env is None:
             self._env = self._make_env()
@@ -82,7 +82,7 @@ class Replayer:
 
 
 def learns_views(policy: Any) -> bool:
-    """Whether a policy learns from what an expert thinks of views."""
+    """Whether a policy learns from an expert's scores of views."""
     return bool(policy.learns_views)
 
 

@@ -23,9 +23,9 @@ class Rollouts:
     """Episodes played at once, by one process."""
     backplay: float = 0.0
     """Share of episodes that begin along their stored solution, near its end (Backplay: Resnick et al. 2018). Reactive
-    policies see the target in few frames of a whole search and hardly ever succeed; there they do."""
+    policies see the target in few frames of a whole search and hardly ever succeed; from there they do."""
     backplay_steps: int = 30
-    """At most so many steps of the solution are left there; how many is drawn."""
+    """Most steps of the solution that are left then; the number is drawn."""
 
     def __post_init__(self) -> None:
         self.require_counts("episodes", "max_steps", "slots", "backplay_steps")

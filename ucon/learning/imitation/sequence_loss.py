@@ -26,8 +26,8 @@ class SequenceLoss:
     """Weighted cross-entropy of the labelled actions, plus a Huber loss of the value against the discounted return.
 
     The loss of a batch is sum(weight * cross-entropy) / sum(weight) + ``value`` * mean(Huber) + ``views`` *
-    mean(divergence). A step without a label has weight 0 in the first term; the last is of the steps in which the
-    expert says what it thinks of views.
+    mean(divergence). A step without a label has weight 0 in the first term; the last mean is over the steps in which
+    the expert scores views.
 
     Raises:
         ConfigError: an unknown action, or a number out of range.
@@ -48,7 +48,7 @@ class SequenceLoss:
     discount: float = 0.99
     """Discount per step of the returns that the value is trained on."""
     views: float = 0.0
-    """Weight of the mean divergence of the policy's goals from what the expert thinks of views; 0 leaves it out."""
+    """Weight of the mean divergence of the policy's goals from the expert's scores of views; 0 leaves it out."""
 
     n_sums = 8
 
@@ -119,7 +119,7 @@ class SequenceLoss:
 
         Returns:
             ``loss``, ``cross_entropy`` (nats), ``value_loss`` and ``accuracy`` (share of labelled steps); where the
-            expert says what it thinks of views, ``views_loss`` (nats).
+            expert scores views, ``views_loss`` (nats).
         """
         label_loss, weight, value_loss, present, correct, labelled, views_loss, told = sums.tolist()
         label_loss, value_loss = label_loss / max(weight, 1e-9), value_loss / max(present, 1.0)
@@ -139,7 +139,7 @@ class SequenceLoss:
 
 
 def _told(frames: Mapping[str, Tensor]) -> Tensor:
-    """Steps (...) bool in which the expert says what it thinks of views."""
+    """Steps (...) bool in which the expert scores views."""
     if "views" not in frames:
         return torch.zeros(1, dtype=torch.bool, device=next(iter(frames.values())).device)
     return frames["views"][..., 3].amax(-1) > 0

@@ -36,7 +36,7 @@ class Trajectory:
     labels: str
     """The T labels, one digit each; :data:`NO_LABEL` where the expert had none."""
     led: str = field(default="", kw_only=True)
-    """Actions taken before the first of these, one digit each."""
+    """Actions taken before those of ``actions``, one digit each."""
 
     @property
     def key(self) -> tuple[str, str, str, str]:

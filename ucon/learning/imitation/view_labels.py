@@ -1,4 +1,4 @@
-"""What a searching agent thinks of views, as labels: from every choice among views, the score of each of the best."""
+"""A searching agent's scores of views as labels: for every choice among views, the scores of the best ones."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ BEST: Final = 10_000
 Label = NDArray[np.int16]
 """(N_VIEWS, 4) int16: cells ahead and to the left of the agent, quarter turns to the left from its heading, and score.
 
-In the frame of the agent, so that it stays the same however the map is turned. Rows of score 0 are empty.
+Positions are relative to the agent, so the label stays the same however the map is turned. Rows of score 0 are empty.
 """
 
 
 def no_views() -> Label:
-    """A label that says nothing."""
+    """An empty label."""
     return np.zeros((N_VIEWS, 4), np.int16)
 
 
@@ -37,7 +37,7 @@ def views_label(search: Seeking, decision: SearchDecision | None) -> Label:
         decision: what it chose from in this step; None where it had nothing to choose.
 
     Returns:
-        The views by score, where it chose; the pose that it goes to, where it walks up to the target; else nothing.
+        The views by score, if it chose; the pose that it goes to, if it walks up to the target; else an empty label.
     """
     here = search.map.view
     if search.taking:
@@ -57,7 +57,7 @@ def _one(here: View, view: View | None) -> Label:
 
 
 def _many(here: View, valued: ViewValues) -> Label:
-    """All nodes and headings with the score of their best pitch; that of the view it is on its way to is raised."""
+    """The best nodes and headings by the score of their best pitch; that of the view it is on its way to is raised."""
     score = valued.score.copy()
     if valued.kept_at[0] >= 0:
         score[valued.kept_at] *= LOYALTY

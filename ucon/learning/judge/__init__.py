@@ -1,1 +1,1 @@
-"""Learning to judge suspects."""
+"""``learner=judge``: trains the judge of suspects."""

@@ -23,7 +23,7 @@ from ucon.task.sets import load_episodes
 
 #: Searches of one file.
 BATCH: Final = 10
-#: Code that defines what is collected. How the search goes on decides which cases come up, not what they mean.
+#: Code that defines what is collected. How the search continues decides which cases come up, not what they mean.
 _CODE: Final = ("search/suspects.py", "search/suspect_kernels.py", "perception/hypotheses", "fitting/suspect_cases.py")
 
 
@@ -31,7 +31,7 @@ def collected(episodes: str, searches: int, detectors: Sequence[BoxDetector], se
     """Hypotheses of searches, with the truth.
 
     Args:
-        episodes: a set by name; drawn from it without repetition.
+        episodes: name of a set; its episodes are played in random order, again from the first when all were played.
         searches: how many searches.
         detectors: taken in turn, after every round of habit levels.
         seed: of the draw.

@@ -38,7 +38,7 @@ from ucon.search.suspects import EVIDENCE, arithmetic
 
 WEIGHTS = "judge.safetensors"
 CONFIG = "config.json"
-#: Suspects that were called by the target's name from so many sides were looked at independently.
+#: Looks from different sides, whatever names the detector gave, from which on a suspect counts in ``auroc_2``.
 INDEPENDENT = 2
 
 
@@ -47,7 +47,7 @@ class JudgeLearner(CountedSteps):
 
     Args:
         judge: makes the network (:class:`models.nets.judge.JudgeNet`).
-        detectors: those that search; by name, each with its errors.
+        detectors: detectors of the searches, by name; each has its errors.
         options: fields of :class:`ucon.learning.run.options.JudgeOptions`.
 
     Raises:
@@ -85,7 +85,7 @@ class JudgeLearner(CountedSteps):
     def cases(self) -> SuspectCases:
         """Training cases; collected at first use, which takes most of the time."""
         found = self._cases(self.options.episodes, self.options.searches)
-        if self._initial:  # its weights belong to its own scale
+        if self._initial:  # the initial weights have their own scale
             return found
         mean, scale = found.evidence.mean(0), found.evidence.std(0)
         self.net.mean.copy_(torch.from_numpy(mean))  # type: ignore[operator, union-attr]

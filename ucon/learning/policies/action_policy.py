@@ -41,7 +41,7 @@ class PolicyOutputs(NamedTuple):
     foresight: Tensor | None = None
     """(T, B, V, R), what is foreseen beyond each of V views; only of policies over views."""
     views: Tensor | None = None
-    """(T, B) nats that the policy's goals are from what an expert thinks of views, where frames tell that."""
+    """(T, B) divergence, in nats, of the policy's goals from an expert's scores of views, where frames have these."""
 
 
 def scores_views(policy: Any) -> bool:
@@ -65,7 +65,7 @@ class ActionPolicy(Protocol):
     uses_habits: bool
     """Whether its outputs depend on the habit level."""
     learns_views: bool
-    """Whether it learns from what an expert thinks of views, as ``views`` among the frames.
+    """Whether it learns from an expert's scores of views, which are ``views`` among the frames.
 
     See :data:`ucon.learning.imitation.view_labels.Label`.
     """

@@ -1,4 +1,4 @@
-"""Plays a policy in several environments at once, with one forward pass for all: for validation and for DAgger."""
+"""Plays a policy in several environments at once, with one forward pass for all: to validate, and to collect."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Seen(NamedTuple):
 
 
 def led(env: Env, actions: str, seen: Seen) -> Seen:
-    """Take actions, one digit each, that nobody chooses; the last frame, which is ``seen`` where there are none."""
+    """Take given actions, one digit each; returns the last frame, which is ``seen`` where there are no actions."""
     for digit in actions:
         observation, _, _, _, info = env.step(int(digit))
         seen = Seen(observation, info)
@@ -88,7 +88,7 @@ class PolicyChooser:
 
     Args:
         sample: True to sample.
-        temperature: that logits are divided by where actions are sampled.
+        temperature: logits are divided by it before an action is sampled.
         seed, keys: of the random stream; the number of the job and the step are added, so draws do not depend on which
             environment plays a job.
     """
@@ -156,9 +156,10 @@ class Players:
     Args:
         policy: an :class:`ucon.learning.policies.action_policy.ActionPolicy` that is a torch module.
         make_env: makes an environment of ``UcON-v0``; called as often as environments are needed.
-        slots: environments played at once. Results can depend on it in their last bits, so it is part of the seed.
+        slots: environments played at once. Results can depend on it in their last bits, so it belongs to a run like
+            its seed.
         max_steps: episodes are cut off after this many actions.
-        keep_frames: outcomes have what the policy saw, after its frozen networks.
+        keep_frames: True: outcomes keep what the policy saw, as features of its frozen networks.
         precision: of the network's passes; None: float32.
     """
 
@@ -251,7 +252,7 @@ class Players:
         }  # (1, B, ...)
         seen = self._policy.features(steps)
         if self._keep:
-            if seen is not steps:  # so that frozen networks look once at what is learned from
+            if seen is not steps:  # kept, so that frozen networks compute them only once
                 arrays = {name: made[0].cpu().numpy() for name, made in seen.items()}
                 frames = [{name: array[row] for name, array in arrays.items()} for row in range(len(slots))]
             for slot, frame in zip(slots, frames, strict=True):

@@ -92,7 +92,7 @@ class Batch:
         """The steps of all episodes in random order, up to ``steps`` at once: for policies without memory.
 
         Args:
-            steps: of a chunk, which is one step of so many rows.
+            steps: largest number of rows of a chunk, which is one time step long.
             seed: of the order.
         """
         names, n = self.frames[0], len(self.lengths)

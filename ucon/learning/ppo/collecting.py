@@ -77,7 +77,7 @@ class InProcess:
 class InWorkers:
     """Collects in one environment in each of ``workers`` processes.
 
-    Workers that take longer than ``worker_timeout_s`` seconds for a collection are replaced, as those that die.
+    Workers that take longer than ``worker_timeout_s`` seconds for a collection are replaced, like those that die.
 
     Raises:
         ConfigError: a number out of range.
@@ -181,7 +181,7 @@ class ExperienceCollector:
             self._batches = iter(self._collector)
             atexit.register(self.close)  # else Python would wait at exit for the workers
         self._playing.load_state_dict(self._policy.state_dict())
-        # Those of now: a thread that was given up must not ask the workers of a later collection.
+        # The present ones: a thread that was abandoned must not ask the workers of a later collection.
         question = functools.partial(self._collected, self._collector, self._batches, seed)
         try:
             return ask(question, self._collecting.worker_timeout_s, self._workers, "collector.worker_timeout_s")
@@ -200,7 +200,7 @@ class ExperienceCollector:
         return list(getattr(self._collector, "procs", ()))
 
     def _kill(self) -> None:
-        """Kill workers that are in the middle of a collection, which is not needed: closing would wait for its end."""
+        """Kill workers in the middle of a collection that is no longer needed: closing would wait for its end."""
         for worker in self._workers():
             with contextlib.suppress(ValueError):  # it was closed
                 worker.kill()

@@ -104,8 +104,7 @@ class PPOLearner:
         """Hashes of everything that training starts from; a checkpoint with other hashes is refused.
 
         Keys: ``habits``, ``episodes``, and where they apply ``frozen`` (weights of frozen networks), ``reader``
-        (weights that
-        read habits in ``UcONSearch-v0``), ``initial`` and ``text`` (weights that embed and rank habits).
+        (weights that read habits in ``UcONSearch-v0``), ``initial`` and ``text`` (weights that embed and rank habits).
         """
         of_episodes = [f"{e.id} {e.home_hash} {e.solution}" for e in (*self.episodes, *self.validation.all)]
         frozen = fingerprint_of(self.policy)
@@ -118,7 +117,7 @@ class PPOLearner:
     def resolved_options(self) -> Mapping[str, str]:
         """Values chosen for options given as ``auto``, by option: ``device`` and ``precision``.
 
-        The run stores them, so that it goes on with the same values on another machine.
+        The run stores them, so that it continues with the same values on another machine.
         """
         return {"device": self.device, "precision": str(self._precision).removeprefix("torch.")}
 

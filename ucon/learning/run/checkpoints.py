@@ -50,7 +50,7 @@ class Checkpoints:
     Args:
         folder: ``checkpoints/`` of the run.
         identity: hashes of the run; a checkpoint with other hashes is refused.
-        keep: number of newest checkpoints to keep; the best one as each of them knew it is kept too.
+        keep: number of newest checkpoints to keep; those that were the best when these were written are kept, too.
     """
 
     def __init__(self, folder: Path, identity: Mapping[str, str], keep: int = 2) -> None:
@@ -70,7 +70,7 @@ class Checkpoints:
             best: step of the checkpoint with the best validation score so far; ``best`` points at it if it is ``step``.
             planned: whether a step is one at which the run saves anyway. A checkpoint of another step, where the run
                 was stopped, is deleted at the next planned one: the run then leaves the same files as one that was not
-                    stopped.
+                stopped.
 
         Returns:
             Folder of the checkpoint.
@@ -129,7 +129,7 @@ class Checkpoints:
         return content.step, State(tensors, content.values)
 
     def unusable(self, step: int, reason: str) -> CheckpointError:
-        """The error about a checkpoint that cannot be used; its message names another one to go on from.
+        """The error about a checkpoint that cannot be used; its message names another one to continue from.
 
         Args:
             step: number of steps after which it was written.
@@ -181,7 +181,8 @@ class Checkpoints:
     def _put(temporary: Path, final: Path) -> None:
         """Rename the finished folder into place and flush the directory to disk.
 
-        One that is there already was left by a run that was interrupted after writing it, or has yet to be validated.
+        A folder that is there already was left by a run that was interrupted after writing it, or has yet to be
+        validated.
         """
         if replaced := final.is_dir():
             shutil.rmtree(_aside(final), ignore_errors=True)
@@ -205,7 +206,7 @@ class Checkpoints:
             ) from None
 
     def _others(self, bad: str = "") -> str:
-        """Advice for an error message: another checkpoint to resume from, or to start anew."""
+        """Advice for an error message: another checkpoint to resume from, or to start a new run."""
         names = [path.name for path in self.all() if path.name != bad]
         if not names:
             return "there is no other one, start a new run"
@@ -270,7 +271,7 @@ def _content(raw: bytes) -> _Content:
 
 
 def _aside(folder: Path) -> Path:
-    """Where a checkpoint is while another one takes its place."""
+    """Path of a checkpoint while another one takes its place."""
     return folder.with_name(f".{folder.name}.replaced")
 
 

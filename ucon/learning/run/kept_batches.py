@@ -1,7 +1,7 @@
 """Training data that takes long to make: made in batches by worker processes, kept in the user's cache, found again.
 
-A batch depends on its numbers alone, so the data is the same whatever the number of workers, and what was interrupted
-goes on with the batches that are missing. The name of the folder is a hash of all that decides what the data means.
+A batch depends on its numbers alone, so the data is the same whatever the number of workers, and after an interruption
+only the missing batches are made. The name of the folder is a hash of all that decides what the data means.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def kept_batches(
     given: tuple[Any, ...],
     needs: Needs,
 ) -> list[Path]:
-    """Files of the numbers 0 to ``count``, in batches; those that are missing are made.
+    """Files of the numbers from 0 to ``count`` - 1, in batches; those that are missing are made.
 
     Args:
         folder: of the files.
@@ -43,7 +43,7 @@ def kept_batches(
         workers: processes.
         make: from ``given`` and a range of numbers to the bytes of a file; a function that can be pickled.
         given: arguments.
-        needs: what ``make`` loads by its name.
+        needs: what ``make`` loads by name.
 
     Returns:
         Paths, in the order of the numbers.

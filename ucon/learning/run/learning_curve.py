@@ -16,7 +16,7 @@ from ucon.learning.run.trainer_state import SCORE
 from ucon.learning.run.training_run import OnFigures
 
 _VALIDATED: Final = "val/"
-#: Beside the loss, figures of steps are not drawn; of validations all are.
+#: The only figure of steps that is drawn; of validations, all are.
 _DRAWN: Final = "loss"
 #: Weight of a step in the smoothed loss.
 _SMOOTH: Final = 0.05
@@ -133,7 +133,7 @@ def draw_curves(folders: Sequence[Path], path: Path) -> None:
         save_png(figure, path)
 
 
-#: Figures that the picture of several runs has.
+#: Figures that are drawn in the picture of several runs.
 _COMPARED: Final = ("val/success_rate", "val/spl", "val/cross_entropy")
 
 

@@ -57,7 +57,7 @@ class Network(Protocol):
 
 
 def network_files(network: Network, *, half: bool = False) -> dict[str, bytes]:
-    """Files of a network by name; the caller writes them beside a manifest.
+    """Files of a network by name; the caller writes them with a manifest.
 
     Args:
         network: whose weights.

@@ -67,7 +67,7 @@ class PolicyOptions(LearnerOptions):
         levels: habit levels, mixed in every batch; ignored for a policy that reads no habits.
         chunk: steps through which gradients flow in a policy with memory.
         clip: largest norm of a gradient; larger ones are scaled down to it.
-        device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one. It does not concern who plays.
+        device: ``cpu``, ``cuda``, or ``auto``: a GPU if there is one. Collections are not played on it.
         precision: ``float32``, or ``bfloat16`` for the network's passes (the loss stays in float32); ``auto``: bfloat16
             where the GPU, or for imitation the processor, has it.
         half: store the trained policy as float16.
@@ -135,7 +135,7 @@ class CollectingOptions(ImitationOptions):
     """Options of ``learner=dagger`` and ``learner=ppo_episodes``, which play what they learn from.
 
     Args:
-        play_device: device of the policy that plays: ``cpu``, ``cuda`` or ``auto``. A GPU is worth it to networks with
+        play_device: device of the policy that plays: ``cpu``, ``cuda`` or ``auto``. A GPU pays off for networks with
             images; what is played then depends on it in the last bits.
     """
 
@@ -147,7 +147,7 @@ class DaggerOptions(CollectingOptions):
     """Options of ``learner=dagger``.
 
     Args:
-        play_precision: as ``precision``, of the policy that plays; bfloat16 is worth it to networks with images.
+        play_precision: as ``precision``, for the policy that plays; bfloat16 pays off for networks with images.
     """
 
     play_precision: str = "float32"

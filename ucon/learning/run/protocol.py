@@ -20,7 +20,7 @@ _MOST_COUNTED: Final = 1 << 53
 
 @dataclass(frozen=True)
 class State:
-    """Everything that decides how a learner goes on: tensors by name, and plain values that JSON can hold."""
+    """Everything that decides how a learner continues: tensors by name, and plain values that JSON can hold."""
 
     tensors: Mapping[str, Tensor]
     values: Mapping[str, Any] = field(default_factory=dict)
@@ -106,7 +106,7 @@ class Learner(Protocol):
     def lengthen(self, steps: int) -> bool:
         """Stretch the schedules to a run of ``steps`` steps, from the next step on.
 
-        It is no part of the state: a run that was extended calls it again after loading one.
+        The length is not part of the state: an extended run calls this again after loading a state.
 
         Returns:
             False where no schedule depends on the number of steps.
@@ -122,5 +122,5 @@ class Learner(Protocol):
         ...
 
     def close(self) -> None:
-        """End worker processes and close environments; if training goes on, new ones are made."""
+        """End worker processes and close environments; if training continues, new ones are made."""
         ...

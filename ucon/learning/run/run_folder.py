@@ -1,4 +1,4 @@
-"""The folder of a training run: the names of its files, and how one is read that may come from somebody else.
+"""The folder of a training run: the names of its files, and reading a folder that may come from somebody else.
 
 Resuming a run reads, writes and deletes in its folder, so links out of it are refused.
 """
@@ -35,7 +35,7 @@ _MOST_METRICS: Final = 4 << 30
 
 
 def check_run_folder(folder: Path) -> None:
-    """Refuse a run's folder with a link in it, or with a file where a folder belongs and the reverse.
+    """Refuse a run's folder with a link in it, or with a file where a folder belongs or vice versa.
 
     Args:
         folder: of the run; files that are missing are no error.

@@ -33,7 +33,7 @@ class Plan:
         steps: planned at the start.
         validate_every: steps between validations.
         save_every: steps between checkpoints.
-        keep: number of newest checkpoints to keep, beside the best.
+        keep: number of newest checkpoints to keep, besides the best.
         extended: later extensions, in order; ``resume=RUN training.steps=MORE`` adds one.
 
     Raises:

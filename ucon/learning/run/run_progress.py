@@ -29,7 +29,7 @@ def training_progress(
     Args:
         label: what the line begins with.
         steps: length of the run.
-        done: steps done before, of a run that goes on.
+        done: steps done before, for a resumed run.
         best: its best validation score so far.
         visible: False shows nothing.
 
@@ -111,7 +111,7 @@ def _wandb_run(mode: str, folder: Path, config: Mapping[str, Any]) -> Any:
     common = {"project": "ucon", "name": folder.name, "dir": str(folder), "config": dict(config), "settings": settings}
     if mode == "online":
         try:
-            # init() would ask at a terminal: its login_timeout ends that in no log at all, and not after the first key.
+            # init() would ask at a terminal: its login_timeout leaves no log at all, and the first key cancels it.
             if wandb.login(prompt=False, verify=False):
                 return wandb.init(mode="online", **common)  # type: ignore[arg-type]
             reason = "nobody is logged in (`wandb login`, or WANDB_API_KEY)"

@@ -1,6 +1,6 @@
 """SIGINT and SIGTERM of a training run: it ends after the present step, or within it where that takes too long.
 
-A step or validation that is still going on some seconds after the signal is abandoned in the main thread: the state
+A step or validation that is still running some seconds after the signal is abandoned in the main thread: the state
 before it is saved in the signal's handler, and then an exception is raised. Python runs the handler between two
 instructions, so one long call into a library is waited for.
 """
@@ -37,8 +37,8 @@ class Stopping:
         on_abandoned: called with the signal's number when something is abandoned, before an exception leaves it.
 
     Attributes:
-        caught: their numbers, in order.
-        abandoned: whether what went on was abandoned. Libraries may raise an error of their own in its wake.
+        caught: numbers of the received signals, in order.
+        abandoned: whether a step or validation was abandoned. Libraries may then raise errors of their own.
     """
 
     def __init__(self, on_abandoned: Callable[[int], None]) -> None:
@@ -54,7 +54,7 @@ class Stopping:
         """Context manager: its body may be abandoned in the middle.
 
         Raises:
-            AbandonedError: it went on, or began, more than :data:`GRACE_S` seconds after a signal.
+            AbandonedError: the body was still running, or began, more than :data:`GRACE_S` seconds after a signal.
         """
         if self._late():
             self._abandon()
@@ -65,7 +65,7 @@ class Stopping:
             self._inside = False
 
     def settle(self) -> None:
-        """Nothing is abandoned any more."""
+        """From now on, nothing is abandoned."""
         self._inside = False
         self._over.set()
 
@@ -94,7 +94,7 @@ class Stopping:
         return time.monotonic() >= self._deadline
 
     def _remind(self, main: int) -> None:
-        """Signal the main thread again when the time is up, until it has left what it was in."""
+        """When the time is up, signal the main thread repeatedly until it has left what it was doing."""
         wait_s = self._deadline - time.monotonic() + 0.01
         while not self._over.wait(max(0.0, wait_s)):
             if self._inside:
@@ -128,7 +128,7 @@ def stopping(on_abandoned: Callable[[int], None]) -> Iterator[Stopping]:
 def end_at_once(message: str, code: int) -> NoReturn:
     """End this process and its children without closing or finalising anything; may be called in a signal's handler.
 
-    Libraries that are left in the middle, such as a collector that starts its workers, wait long or for ever there.
+    Libraries that were interrupted, such as a collector that is starting its workers, wait long or forever to close.
 
     Args:
         message: a line for standard error.
@@ -148,7 +148,7 @@ def end_at_once(message: str, code: int) -> NoReturn:
 
 
 def _half_started() -> Iterator[int]:
-    """Workers that multiprocessing does not know yet, by what Linux tells: they would print that they were left."""
+    """Process ids, from Linux, of workers that multiprocessing does not know yet; left alone, they print errors."""
     for path in Path("/proc/self/task").glob("*/children"):
         for pid in path.read_text().split():
             with contextlib.suppress(OSError):

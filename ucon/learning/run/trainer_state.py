@@ -1,4 +1,4 @@
-"""The trainer's part of a checkpoint, beside the state of the learner."""
+"""The trainer's part of a checkpoint, besides the state of the learner."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class TrainerState:
     """Figures by name, with ``step`` and ``score`` among them; empty before the first validation."""
     extended: tuple[Extension, ...] = ()
     pending: bool = False
-    """Whether this state has yet to be validated: a signal came in the middle of that."""
+    """Whether this state has yet to be validated: a signal interrupted its validation."""
 
     @property
     def best_step(self) -> int | None:
@@ -31,7 +31,7 @@ class TrainerState:
         return int(self.best["step"]) if self.best else None
 
     def to_json(self) -> dict[str, Any]:
-        """Plain values; ``extended`` is left out where there are no extensions, ``pending`` where nothing is."""
+        """Plain values; ``extended`` is left out where there are no extensions, ``pending`` where it is False."""
         more: dict[str, Any] = {"extended": [one.to_json() for one in self.extended]} if self.extended else {}
         if self.pending:
             more["pending"] = True

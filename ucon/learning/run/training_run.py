@@ -42,7 +42,7 @@ from ucon.learning.run.trainer_state import SCORE, TrainerState
 
 #: A checkpoint may be this many times as large as the initial state, which has no optimiser moments yet.
 _MORE_TENSORS: Final = 16
-#: After a step of more seconds, the state before the next one is held in memory: that one may have to be abandoned.
+#: After a step of more seconds, the state is held in memory before the next step, which may have to be abandoned.
 _SLOW_S: Final = 1.0
 
 OnFigures = Callable[[int, Mapping[str, float]], None]
@@ -69,7 +69,7 @@ class TrainingRun:
         folder: of the run.
         learner: what is trained.
         plan: length and intervals.
-        identity: hashes of the run beside the learner's own, such as that of the configuration.
+        identity: hashes of the run besides the learner's own, such as that of the configuration.
     """
 
     def __init__(self, folder: Path, learner: Learner, plan: Plan, identity: Mapping[str, str]) -> None:
@@ -119,12 +119,12 @@ class TrainingRun:
             ) from None
 
     def resume(self, checkpoint: str = LATEST, steps: int | None = None) -> None:
-        """Go on from a checkpoint; later lines of ``metrics.jsonl`` are dropped and written again.
+        """Continue from a checkpoint; later lines of ``metrics.jsonl`` are dropped and written again.
 
         Args:
             checkpoint: its name, or ``latest``.
             steps: new length of the run, longer than planned; :attr:`plan` then has the extension, and the caller has
-                to write it to ``config.yaml`` before the run goes on. None: as planned.
+                to write it to ``config.yaml`` before the run continues. None: as planned.
 
         Raises:
             DataError: something in the folder is damaged, a link, or of another run.
@@ -235,13 +235,13 @@ class TrainingRun:
             self._save()
 
     def _hold(self, *, pending: bool) -> None:
-        """Keep a copy of the present state, since the learner is of no use after it was abandoned."""
+        """Keep a copy of the present state, since the learner cannot be used after it was abandoned."""
         state = self.learner.state_dict()
         tensors = {name: tensor.detach().to("cpu", copy=True) for name, tensor in state.tensors.items()}
         self._held = (self.step, State(tensors, copy.deepcopy(dict(state.values))), pending)
 
     def _save_held(self) -> None:
-        """Save the copy; where there is none, the last checkpoint is what the run goes on from."""
+        """Save the held copy; if there is none, the run continues from the last checkpoint."""
         if self._held is not None:
             self._write(*self._held)
 

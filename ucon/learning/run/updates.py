@@ -62,7 +62,7 @@ class Updates:
 
         Args:
             step: number of the learner's step, from 0; it decides the learning rate.
-            rate: learning rate to use instead.
+            rate: learning rate to use instead of the schedule's.
 
         Returns:
             ``gradient`` (norm before clipping) and ``rate``.

@@ -28,7 +28,7 @@ MOST_WORKERS: Final = 1024
 #: Longest permitted limit in seconds; threads cannot wait much longer.
 _MOST_S: Final = 1e6
 
-#: How often the workers of a run are replaced; where they are lost more often, something is wrong that stays.
+#: How often the workers of a run are replaced; if they are lost more often, the problem does not go away.
 MOST_REPLACED: Final = 3
 
 T = TypeVar("T")
@@ -39,7 +39,7 @@ class LearnerWorkerError(UconError):
 
 
 class Replacements:
-    """Counts how often the workers of a run were replaced, and tells of each time."""
+    """Counts how often the workers of a run were replaced, and reports each time."""
 
     def __init__(self) -> None:
         self.made = 0
@@ -100,8 +100,8 @@ def check_timeout(option: str, value: object) -> None:
 def ask(question: Callable[[], T], seconds: float, workers: Callable[[], Sequence[BaseProcess]], option: str) -> T:
     """Call ``question``, which waits for workers, with a time limit; kill the workers where it takes longer.
 
-    The call runs in a thread of its own. That thread is abandoned if it never returns, as libraries do when their
-    workers have died.
+    The call runs in a separate thread. That thread is abandoned if the call never returns, as happens in libraries
+    whose workers have died.
 
     Args:
         question: waits for the workers and returns their answer.
@@ -144,7 +144,7 @@ def _answer(question: Callable[[], T], answer: Future[T]) -> None:
 
 
 def _late(asked: Sequence[BaseProcess], seconds: float, option: str) -> LearnerWorkerError:
-    """Kill the workers that are still alive; the error that names them."""
+    """Kill the workers that are still alive, and return the error that names them."""
     alive = [worker for worker in asked if _code(worker) is None]
     names = ", ".join(_names(alive or asked))
     for worker in alive:

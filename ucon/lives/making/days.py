@@ -1,8 +1,8 @@
-"""Days of a life: who uses what and where it is put, what people ask for.
+"""Days of a life: who uses which things, where they are put, and what people ask for.
 
-At every slot each possession is used with probability :data:`USED` by one of the people. Then it is put where a
-placement of the user's entry says whose context is fulfilled, else where one without context says; with probability
-:data:`MISTAKEN` it is left somewhere else instead. What is not used stays.
+At every slot each possession is used with probability :data:`USED` by one of the people. It is then put where a
+placement of the user's entry with a fulfilled context says, or else where one without a context says; with probability
+:data:`MISTAKEN` it is left somewhere else instead. What is not used stays where it is.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ucon.habits.types import HabitDataset
 from ucon.lives.clock import N_SLOTS, day_and_slot, time_of
 from ucon.lives.life import Life, Move, Request
 
-#: Probability that a possession is used in a slot, and that it is then left anywhere.
+#: Probability that a possession is used in a slot, and that it is then left at a place by mistake.
 USED, MISTAKEN = 0.35, 0.05
 REQUESTS_A_DAY = 4
 #: Most days with an occasion.
@@ -34,9 +34,9 @@ class Calendar:
     """When a life takes place.
 
     Attributes:
-        first_weekday: of day 0: 0 (Monday) to 6.
-        season: of all its days.
-        occasions: (day, occasion) of the days that have one.
+        first_weekday: weekday of day 0: 0 (Monday) to 6.
+        season: season of all days.
+        occasions: (day, occasion) for each day that has an occasion.
     """
 
     first_weekday: int
@@ -48,8 +48,8 @@ def drawn_calendar(days: int, occasions: Sequence[str], rng: np.random.Generator
     """A random calendar.
 
     Args:
-        days: of the life.
-        occasions: those that matter to the household.
+        days: length of the life.
+        occasions: occasions that matter to the household.
         rng: random numbers.
     """
     season = SEASONS[int(rng.integers(len(SEASONS)))]
@@ -61,25 +61,25 @@ def drawn_calendar(days: int, occasions: Sequence[str], rng: np.random.Generator
 
 
 class Days:
-    """Plays the people of one life."""
+    """Simulates the people of one life."""
 
     def __init__(self, life: Life, dataset: HabitDataset) -> None:
         """Take a life without moves and requests.
 
         Args:
             life: has possessions, places, people and calendar.
-            dataset: of its entries.
+            dataset: the habits with which it is made.
         """
         self.life = life
         self._entries = {name: dataset.entries[dataset.entry_number[name]] for name in _entries_of(life)}
 
     def first_places(self) -> tuple[int, ...]:
-        """Where everything is before the first morning: put there on the evening before."""
+        """Where everything is before the first morning, as put there on the evening before."""
         count = len(self.life.possessions)
         return tuple(self._first(k, stream(self.life.seed, "life", "first", k)) for k in range(count))
 
     def moves(self) -> tuple[Move, ...]:
-        """What people put somewhere, in the order of time; nothing where it stays in its place."""
+        """What people put somewhere else, in order of time; uses that leave a thing at its place are left out."""
         life, now = self.life, list(self.life.at_first)
         found: list[Move] = []
         for time in range(N_SLOTS * life.days):
@@ -94,13 +94,13 @@ class Days:
         return tuple(found)
 
     def requests(self, wanted: Sequence[int], can_be_found: Callable[[int, int], bool]) -> tuple[Request, ...]:
-        """What the robot is asked for, in the order of time: some things often, others seldom (Zipf).
+        """What the robot is asked for, in order of time: some things often, others rarely (Zipf).
 
         Nothing is asked for twice in a slot.
 
         Args:
             wanted: numbers of the possessions that may be asked for.
-            can_be_found: of (possession, time), whether a robot can find it there.
+            can_be_found: maps (possession, time) to whether a robot can find the possession then.
 
         Raises:
             EpisodeError: hardly anything can be found.
@@ -141,7 +141,7 @@ class Days:
         return sorted({one.user for one in conditions if one.user})
 
     def _first(self, possession: int, rng: np.random.Generator) -> int:
-        """Where a possession is put on the evening before: any place by habit, where no condition holds then."""
+        """Where a possession is put on the evening before; any place it is kept at if no condition holds then."""
         place, _ = self._put(possession, 0, N_SLOTS - 1, rng)
         places = self.life.possessions[possession].places
         kept = [n for n, one in enumerate(places) if any(name in self._at_first(possession) for name, _ in one.origins)]
@@ -151,7 +151,7 @@ class Days:
         return self.life.possessions[possession].entries
 
     def _put(self, possession: int, day: int, slot: int, rng: np.random.Generator) -> tuple[int | None, int]:
-        """Place to which a possession is put when it is used, None where it stays, and the user; -1 for a mistake."""
+        """Place where a used possession is put (None: it stays where it is), and the user (-1: a mistake)."""
         user = int(rng.integers(self.life.users))
         people = self._people(possession, day, user)
         person = people[int(rng.integers(len(people)))] if people else None

@@ -1,6 +1,6 @@
-"""Makes one life from an order: chooses the household's things, settles their places, plays the people.
+"""Makes one life from an order: chooses the household's things, fixes their places, simulates the people.
 
-Needs PyBullet (places settle in it); playing a stored life does not.
+Making a life needs PyBullet, in which placed objects settle; playing a stored life does not.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from ucon.task.episode import Start
 from ucon.task.rules import PAPER, TaskRules
 from ucon.task.solve import Solver
 
-#: Possessions of a life, and the fewest that make one.
+#: Number of possessions of a life, and the fewest that are enough.
 POSSESSIONS, LEAST_POSSESSIONS = 40, 20
-#: Anchors that are added to a home at most.
+#: Most anchors that are added to a home.
 MOST_FIXED = 12
-#: Share of the possessions that change, and the days of which one is drawn for it.
+#: Share of the possessions whose habits change, and the days from which the day of the change is drawn.
 CHANGING, CHANGE_DAYS = 0.25, (6, 7, 8, 9)
 USERS_P = (0.3, 0.4, 0.3)
 
@@ -42,14 +42,14 @@ class LifeOrder:
     """What to make.
 
     Attributes:
-        id: of the life.
+        id: id of the life.
         scene: name of its home.
-        seed: of all choices.
+        seed: seed of all choices.
         split: label of its group.
         targets: categories that may be asked for.
-        part: whose entries the household may have.
-        days: length.
-        changes: whether a part of the possessions changes over to other habits.
+        part: part of the habits whose entries the household may use.
+        days: length of the life.
+        changes: whether the habits of some possessions change.
     """
 
     id: str
@@ -63,12 +63,12 @@ class LifeOrder:
 
 
 def make_life(order: LifeOrder, dataset: HabitDataset, rules: TaskRules = PAPER) -> Life:
-    """Make a life; the same for the same arguments.
+    """Make a life; the same arguments give the same life.
 
     Args:
         order: what to make.
         dataset: the habits.
-        rules: under which every request can be met.
+        rules: rules under which every request can be met.
 
     Raises:
         EpisodeError: the home cannot hold enough possessions, or hardly anything can be found there.
@@ -111,7 +111,7 @@ def make_life(order: LifeOrder, dataset: HabitDataset, rules: TaskRules = PAPER)
 
 
 class Findable:
-    """Whether a possession can be found at a time, by looking from every pose near it; answers are kept."""
+    """Whether a possession can be found at a time, by rendering every pose near it; results are cached."""
 
     def __init__(self, life: Life, house: House, rules: TaskRules) -> None:
         """Take a life with its moves."""
@@ -120,7 +120,7 @@ class Findable:
         self._known: dict[tuple[int, int], bool] = {}
 
     def __call__(self, possession: int, time: int) -> bool:
-        """Whether it can be found from the dock."""
+        """Whether a possession can be found at a time from the dock."""
         key = (possession, time)
         if key not in self._known:
             life, arrangement = self._timeline.life, self._timeline.arrangement(time)
@@ -135,7 +135,7 @@ class Findable:
 def _settled(
     house: House, order: LifeOrder, dataset: HabitDataset, users: int, rng: np.random.Generator
 ) -> tuple[list[Settled], PlaceMaker]:
-    """Possessions with enough places; those that find none are replaced once by others."""
+    """Possessions with enough places; those with too few are replaced by others, once."""
     found = candidates(house, dataset, order.part, users, set(order.targets), rng)
     owned, spare = chosen(found, POSSESSIONS)
     groups = owned, spare[: POSSESSIONS // 2]
@@ -157,7 +157,7 @@ def _settled(
 
 
 def _changing(group: Sequence[Owned], count: int, rng: np.random.Generator) -> list[Settled]:
-    """Things of which a random ``count`` will change."""
+    """The things, with a random ``count`` of them marked to change."""
     able = [k for k, one in enumerate(group) if one.to_change()]
     picked = {able[int(k)] for k in rng.permutation(len(able))[:count]}
     return [
@@ -172,7 +172,7 @@ def _possession(thing: Settled) -> Possession:
 
 
 def _dock(house: House, maker: PlaceMaker, rng: np.random.Generator) -> Start:
-    """A random node from which the floor can be walked, and that nothing ever blocks."""
+    """A random node of the connected floor that nothing ever blocks."""
     free = SceneState(house, maker.arrangement).free
     nodes = np.argwhere((components(free) == 0) & free)
     i, j = (int(v) for v in nodes[int(rng.integers(len(nodes)))])

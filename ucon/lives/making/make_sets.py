@@ -1,4 +1,4 @@
-"""Makes whole sets of lives in several processes; the result does not depend on their number."""
+"""Makes whole sets of lives in several processes; the result does not depend on how many."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ucon.lives.life import Life
 from ucon.lives.making.make_life import LifeOrder, make_life
 from ucon.sim.cache import load_house
 
-#: Added to the seed of an order that no life could be made for, and how often.
+#: Added to the seed of an order for which no life could be made, and how many seeds are tried.
 _RETRY_SEED_STEP, _RETRIES = 1 << 32, 4
 #: Largest journal that is read, bytes.
 _MAX_JOURNAL = 1 << 30
@@ -38,7 +38,7 @@ def make_lives(
         dataset: the habits; by default the habit book with its second part, whose placements depend on the context.
         workers: processes.
         progress: called with the number of lives made.
-        journal: file to which lives are appended as they are made; those of an interrupted call are not made again.
+        journal: file to which lives are appended as they are made; a repeated call does not make them again.
 
     Returns:
         Lives in the order of ``orders``.
@@ -71,7 +71,7 @@ def make_lives(
 
 
 def _noted(journal: Path, orders: Sequence[LifeOrder], habits_hash: str) -> list[Life]:
-    """The lives of the first orders that a journal holds; the rest of the journal is removed."""
+    """The leading lives of a journal that match the orders; the rest of the journal is removed."""
     found: list[Life] = []
     raw = read_plain(journal, _MAX_JOURNAL) if journal.is_file() else b""
     for order, line in zip(orders, raw[: raw.rfind(b"\n") + 1].split(b"\n"), strict=False):
@@ -88,7 +88,7 @@ def _noted(journal: Path, orders: Sequence[LifeOrder], habits_hash: str) -> list
 
 
 def _begin(dataset: HabitDataset) -> None:
-    """Keep the habits in this process; a worker is sent them once, not with every order."""
+    """Keep the habits in this process; they are sent to a worker once, not with every order."""
     global _dataset
     _dataset = dataset
 
@@ -97,7 +97,7 @@ _dataset: HabitDataset | None = None
 
 
 def _make(order: LifeOrder) -> Life:
-    """The life of an order; some seeds are tried."""
+    """The life of an order; a few seeds are tried."""
     if _dataset is None:
         raise RuntimeError("a worker without habits")
     last = ""

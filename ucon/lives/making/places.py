@@ -1,7 +1,7 @@
-"""Settles a few places for every possession, so that any choice of one for each fits together.
+"""Fixes a few places for every possession, so that any choice of one place for each fits together.
 
-All places of all possessions are in the home at once while they are made, as obstacles for one another. So no two of
-them meet, and the floor stays connected whatever is where.
+While they are made, all places of all possessions are in the home at once, as obstacles for one another. So no two of
+them touch, and the floor stays connected wherever things are.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ from ucon.sim.placement.surroundings import Surroundings
 from ucon.sim.shapes import object_box
 from ucon.task.making.draft import instances_of, rounded
 
-#: Most places of a possession by the household's habits, by those that it changes to, and by mistake.
+#: Most places of a possession by the household's habits, by the habits that it changes to, and by mistake.
 MOST_KEPT, MOST_LATER, MOST_STRAY = 6, 3, 2
 #: Fewest places by the household's habits.
 LEAST_KEPT = 2
 #: Least gap between two places, metres.
 _GAP_M = 0.001
-#: Instances of an anchor that are tried.
+#: How many instances of an anchor are tried.
 _INSTANCES_TRIED = 3
-#: Placements of other households that are tried for places by mistake.
+#: How many relations and anchors are tried for places by mistake.
 _STRAYS_TRIED = 6
 
 Wanted = tuple[Relation, str]
@@ -53,27 +53,27 @@ class Settled:
 
     @property
     def later_hosts(self) -> tuple[Hosted, ...]:
-        """The entry to which it changes; () where it does not."""
+        """The entry to which its habits change; () if they do not."""
         return (self.owned.other,) if self.changes and self.owned.other else ()
 
     @property
     def complete(self) -> bool:
-        """Whether it has enough places to live by."""
+        """Whether it has enough places."""
         return len(self.kept) >= LEAST_KEPT and (not self.changes or bool(self.later))
 
 
 class PlaceMaker:
-    """Settles places in one home.
+    """Makes the places of possessions in one home.
 
     Attributes:
         house: the home.
-        categories: of all possessions that may be settled; none of them is an anchor.
+        categories: categories of all possessions that may get places; none of them is an anchor.
         arrangement: the home without its own things of these categories, with added anchors and all places so far.
         fixed: anchors that were added.
     """
 
     def __init__(self, house: House, categories: Iterable[str], rng: np.random.Generator) -> None:
-        """Empty the home of the possessions' categories.
+        """Remove the home's own things of the possessions' categories.
 
         Args:
             house: the home.
@@ -94,7 +94,7 @@ class PlaceMaker:
 
         Args:
             names: categories, the most wanted first.
-            most: number of anchors to add at most.
+            most: most anchors to add.
         """
         for name in names:
             if len(self.fixed) == most:
@@ -109,11 +109,11 @@ class PlaceMaker:
             self.fixed = (*self.fixed, added)
 
     def blocked(self, placed: PlacedObject) -> tuple[tuple[int, int], ...]:
-        """Nodes of the empty home that an object blocks."""
+        """Nodes that an object blocks in the home without possessions."""
         return tuple((int(i), int(j)) for i, j in nodes_taken(self._empty, object_box(placed)))
 
     def settle(self, things: Sequence[Settled]) -> None:
-        """Make places for things, one of each in turn, so that none is left without."""
+        """Make places for things, one for each thing in turn, so that none is left without places."""
         for plan in (self._by_habit, self._by_mistake):
             waiting = [(thing, plan(thing)) for thing in things]
             while waiting := [(thing, queue) for thing, queue in waiting if queue]:
@@ -137,7 +137,7 @@ class PlaceMaker:
         return placed
 
     def _by_habit(self, thing: Settled) -> list[tuple[str, Wanted, Origins]]:
-        """Where a thing is kept, and where it will be once it changes."""
+        """Where a thing is kept, and where it will be kept after its habits change."""
         kinds = (("kept", thing.owned.hosts), ("later", thing.later_hosts))
         return [(kind, *item) for kind, hosts in kinds for item in self._ordered(hosts).items()]
 
@@ -148,7 +148,7 @@ class PlaceMaker:
         return [("stray", wanted, ()) for wanted in found[:_STRAYS_TRIED]]
 
     def _anywhere(self) -> list[Wanted]:
-        """Places where other things are, in random order."""
+        """Relations and anchors at which other things are, in random order."""
         names = self.house.categories + tuple(placed.category for placed in self.fixed)
         used = sorted({(o.relation, names[o.anchor]) for o in self.arrangement.objects if o.relation != "imported"})
         return [used[int(k)] for k in self._rng.permutation(len(used))]
@@ -166,7 +166,7 @@ class PlaceMaker:
         return {keys[int(k)]: found[keys[int(k)]] for k in self._rng.permutation(len(keys))}
 
     def _settle(self, thing: Settled, kind: str, wanted: Wanted, origins: Origins) -> None:
-        """Add one place, if it can be had and is still wanted. A place that both entries name belongs to both."""
+        """Add one place, if possible and still wanted; all placements that name it become its origins."""
         places: list[Place] = getattr(thing, kind)
         if len(places) == {"kept": MOST_KEPT, "later": MOST_LATER, "stray": MOST_STRAY}[kind]:
             return
@@ -184,6 +184,6 @@ class PlaceMaker:
             return
 
     def _touches(self, placed: PlacedObject) -> bool:
-        """Whether an object touches another place, on which it may lean: there is nothing when that is elsewhere."""
+        """Whether an object touches another place: it might lean on a thing there, which may later be elsewhere."""
         others = [object_boxes(other) for other in self.arrangement.objects[len(self.fixed) :]]
         return bool(others) and meet(object_boxes(placed), np.concatenate(others), _GAP_M)

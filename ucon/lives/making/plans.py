@@ -1,9 +1,9 @@
 """The fixed sets of lives: home, seed and targets of each.
 
-``lives_test``: 10 lives in each of seen / unseen category x seen / unseen scene, on homes of the episode set ``test``;
-in half of them a part of the possessions changes. ``lives_val`` (20) and ``lives_mini`` (4) are on homes and categories
-of ``val``. ``lives_long``: 4 lives of 50 days. ``lives_train``: lives without end to learn from, in homes and by
-entries of the part ``train`` alone.
+``lives_test``: 10 lives in each of seen / unseen category x seen / unseen scene, in homes of the episode set ``test``;
+in half of them the habits of some possessions change. ``lives_val`` (20 lives) and ``lives_mini`` (4) use homes and
+categories of ``val``. ``lives_long``: 4 lives of 50 days. ``lives_train``: an endless sequence of lives to learn from,
+with homes and entries of the part ``train`` only.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ucon.habits.types import HabitDataset
 from ucon.lives.making.make_life import LifeOrder
 from ucon.task.making.set_plans import TRAIN, set_cells
 
-#: By set: the episode set whose homes and categories it uses, lives in each of its cells, and days.
+#: For each set: the episode set whose homes and categories it uses, lives in each cell of that set, and days.
 LIFE_SETS: Final = {
     "lives_mini": ("val", 2, 14),
     "lives_val": ("val", 10, 14),
@@ -31,10 +31,10 @@ ENDLESS: Final = f"lives_{TRAIN}"
 
 
 def life_orders(name: str, dataset: HabitDataset) -> Iterator[LifeOrder]:
-    """What to make for every life of a named set; scenes are used in turn. Of ``lives_train`` there is no end.
+    """What to make for every life of a named set; scenes are used in turn. ``lives_train`` is endless.
 
     Args:
-        name: of the set.
+        name: name of the set.
         dataset: the habits.
 
     Raises:
@@ -57,12 +57,12 @@ def life_orders(name: str, dataset: HabitDataset) -> Iterator[LifeOrder]:
 
 
 def train_order(number: int, dataset: HabitDataset, days: int = 14) -> LifeOrder:
-    """The order of a life to learn from; there is one for every number.
+    """The order of a life of ``lives_train``; there is one for every number.
 
     Args:
-        number: from 0.
+        number: number of the life, from 0.
         dataset: the habits.
-        days: of the life.
+        days: length of the life.
     """
     cells = set_cells(TRAIN)
     cell = cells[number % len(cells)]

@@ -1,4 +1,4 @@
-"""The things of a household: which ones, by whose habits they are kept, and what changes."""
+"""The things of a household: which ones there are, whose habits they follow, and which habits change."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ucon.sim.placement import importable
 from ucon.task.making.draft import bearing_categories
 from ucon.task.making.living import contradictory, home_kinds, living_in
 
-#: Least share of the things whose habits contradict each other by context, where the dataset has so many.
+#: Share of things whose habits name different places in different contexts, as far as the dataset has so many.
 CONTRADICTORY = 0.3
 
 
@@ -26,10 +26,10 @@ class Owned:
     """A possession before its places are found.
 
     Attributes:
-        category: of the thing.
-        hosts: its entries, one for each user and in their order, and the placements that the home can realise.
-        other: an entry that is not among them, for the day of a change; None where there is none.
-        elsewhere: entries of other households; their placements are plausible, and not this household's.
+        category: category of the thing.
+        hosts: its entries, at most one for each user and in their order, with the placements the home can realise.
+        other: a further entry, for the day of a change; None if there is none.
+        elsewhere: entries of other households; their placements are plausible, but not this household's.
     """
 
     category: str
@@ -38,14 +38,14 @@ class Owned:
     elsewhere: tuple[Hosted, ...]
 
     def to_change(self) -> Owned | None:
-        """The thing if it is to change: without another entry its last one is kept for that. None if it has but one."""
+        """The thing prepared for a change, if need be to its own last entry; None if it has only one entry."""
         if self.other is None and len(self.hosts) > 1:
             return replace(self, hosts=self.hosts[:-1], other=self.hosts[-1])
         return None if self.other is None else self
 
     @property
     def contradictory(self) -> bool:
-        """Whether one of the entries speaks for places that no context has both."""
+        """Whether habits of one entry support placements that are never used in the same context."""
         return any(contradictory(host.entry) for host in self.hosts)
 
     @property
@@ -58,12 +58,12 @@ class Owned:
 def candidates(
     house: House, dataset: HabitDataset, part: Split, users: int, wanted: Collection[str], rng: np.random.Generator
 ) -> list[Owned]:
-    """Things that the household of a home may own: those that requests may be for first, in random order.
+    """Things that the household of a home may own, in random order, those that may be requested first.
 
     Args:
         house: the home.
         dataset: the habits.
-        part: whose entries may be used.
+        part: part of the habits whose entries may be used.
         users: number of people.
         wanted: categories that requests may be for.
         rng: decides order and entries.
@@ -93,14 +93,14 @@ def candidates(
 
 
 def chosen(found: Sequence[Owned], count: int) -> tuple[list[Owned], list[Owned]]:
-    """Choose the first things so that a share of them is kept by day, hour, season, occasion or user.
+    """Choose the first things such that for a share of them the place depends on day, hour, season, occasion or user.
 
     Args:
         found: candidates in order.
-        count: of things.
+        count: number of things.
 
     Returns:
-        The chosen ones, and the others in order.
+        The chosen things, and the others in order.
     """
     some = [owned for owned in found if owned.contradictory][: round(CONTRADICTORY * count)]
     rest = [owned for owned in found if owned not in some]
@@ -109,7 +109,7 @@ def chosen(found: Sequence[Owned], count: int) -> tuple[list[Owned], list[Owned]
 
 
 def wanted_anchors(things: Sequence[Owned]) -> list[str]:
-    """Anchor categories of the things' placements, those of most placements first."""
+    """Anchor categories of the things' placements, those with most placements first."""
     every = [place.anchor for thing in things for host in thing.hosts for place in host.placements]
     counts = Counter(every)
     return sorted(counts, key=lambda name: (-counts[name], name))

@@ -1,4 +1,4 @@
-"""Builders of shapes, one module a family; importing a module registers its builders."""
+"""Shape builders, one module per family of objects; importing a module registers its builders."""
 
 from ucon.objects.shapes import (
     appliances,

@@ -1,4 +1,4 @@
-"""Ovens, fridges, washers and cookers: what opens has a real inside."""
+"""Ovens, fridges, washers and cookers; those that open have a real interior."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def fridge(k: Kit) -> None:
 
 
 def two_levels(k: Kit, x: Span, y: Span, z: Span, rack: float, thick: float, setback: float, joint: int) -> None:
-    """The spaces above and below a rack whose top is at ``rack`` and which ends ``setback`` before the front."""
+    """The spaces above and below a rack whose top is at ``rack`` and which ends ``setback`` short of the front."""
     front = x[1] - 0.005
     deepest = max(x[0], front - seen_depth(rack, z[1]))
     k.space((deepest, front - setback), y, (rack, z[1]), opened_by=(joint,))
@@ -88,7 +88,7 @@ def dishwasher(k: Kit) -> None:
 
 @shape("washer", "clothes_dryer")
 def front_loader(k: Kit) -> None:
-    """A white cube with a round door; behind it a square mouth that the door covers with its whole rim."""
+    """A white cube with a round door; behind it is a square opening that the door's rim covers completely."""
     x, y, z = k.size
     dryer = k.name == "clothes_dryer"
     front = x / 2

@@ -1,4 +1,4 @@
-"""Sinks, toilets, tubs, showers and what hangs on bathroom walls."""
+"""Sinks, toilets, tubs, showers and things that hang on bathroom walls."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def urinal(k: Kit) -> None:
 
 @shape("bathtub")
 def bathtub(k: Kit) -> None:
-    """A tub with thick rims; its floor is free for things."""
+    """A tub with thick rims; things can lie on its floor."""
     x, y, z = k.size
     rim, floor = min(0.11, 0.12 * y), 0.3 * z
     hot = k.name == "hot_tub"
@@ -180,7 +180,7 @@ def towel_rack(k: Kit) -> None:
 
 @shape("wall_dispenser", "soap_dispenser")
 def dispenser(k: Kit) -> None:
-    """A rounded box with a dark window and a nozzle; the one for tables is a bottle with a pump."""
+    """A rounded box with a dark window and a nozzle; the tabletop dispenser is a bottle with a pump."""
     k.unit()
     if k.name == "soap_dispenser":
         k.cyl((-0.36, 0.5), (-0.5, 0.5), (0, 0.62), WHITE)

@@ -1,4 +1,4 @@
-"""Bottles, jars and sprays: colour and label tell what is in them."""
+"""Bottles, jars and sprays; colour and label show what is in them."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ GLASS = Material.GLASS
 
 
 def label_color(k: Kit) -> RGB:
-    """A label that stands out from the content; equal names have equal labels."""
+    """A label colour that stands out from the content; equal names and contents have equal labels."""
     palette = (PAPER, (232, 214, 120), (206, 60, 52), (70, 130, 80), (62, 104, 176), (240, 240, 236))
     pick = palette[sum(map(ord, k.name)) % len(palette)]
     contrast = sum(abs(a - b) for a, b in zip(pick, k.color, strict=True))
@@ -39,7 +39,7 @@ def label_color(k: Kit) -> RGB:
 
 @shape("bottle")
 def bottle(k: Kit) -> None:
-    """Body, label band, shoulder, neck and cap, in proportions by what it holds."""
+    """Body, label band, shoulder, neck and cap, with proportions that depend on the content."""
     k.unit()
     cap = _cap(k)
     if k.has(

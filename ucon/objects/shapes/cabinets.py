@@ -53,7 +53,7 @@ def kitchen_unit(k: Kit) -> None:
 
 @shape("top_cabinet")
 def top_cabinet(k: Kit) -> None:
-    """Hung above the counter. One high space: from eye height a shelf would hide what lies on it."""
+    """A wall cabinet above the counter, with one tall space: at eye height, a shelf would hide what lies on it."""
     x, y, z = k.size
     front = x / 2
     inner = carcass(k, (-x / 2, front - FRONT), (-y / 2, y / 2), (0, z))
@@ -64,7 +64,7 @@ def top_cabinet(k: Kit) -> None:
 
 
 def hang_below(k: Kit, depth: float) -> None:
-    """The space under something on a wall, down to the floor of the room."""
+    """The space under an object on a wall, down to the floor of the room."""
     x, y, _ = k.size
     drop = k.category.bottom_z_m
     if drop > 0.1:
@@ -73,7 +73,7 @@ def hang_below(k: Kit, depth: float) -> None:
 
 @shape("wardrobe")
 def wardrobe(k: Kit) -> None:
-    """Hanging space on one side, shelves on the other, the divider behind the seam of the doors."""
+    """Hanging space on one side, shelves on the other; the divider is behind the seam of the doors."""
     x, y, z = k.size
     front, plinth = x / 2, 0.08
     back = front - FRONT
@@ -127,7 +127,7 @@ def drawer_unit(k: Kit) -> None:
 
 @shape("chest_lidded")
 def chest(k: Kit) -> None:
-    """A blanket chest: heavy body, lid about the back edge."""
+    """A blanket chest: heavy body, lid hinged at the back edge."""
     x, y, z = k.size
     body = z - 0.04
     ix, iy = tub(k, (-x / 2 + 0.012, x / 2 - 0.012), (-y / 2 + 0.012, y / 2 - 0.012), (0, body), 0.025, 0.09,
@@ -175,7 +175,7 @@ def storage_box(k: Kit) -> None:
 
 @shape("suitcase")
 def suitcase(k: Kit) -> None:
-    """Lying flat; the upper shell lifts about the back edge."""
+    """A suitcase lying flat; its upper shell is hinged at the back edge."""
     x, y, z = k.size
     split, wall = z - 0.035, 0.012
     x_span, y_span = (-x / 2 + 0.002, x / 2 - 0.025), (-y / 2, y / 2)

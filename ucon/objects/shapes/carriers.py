@@ -53,7 +53,7 @@ def basket(k: Kit) -> None:
 
 @shape("bin")
 def trash_can(k: Kit) -> None:
-    """A round bin, or a wheeled square one; the floor is raised so that one can look in."""
+    """A round bin, or a wheeled square one; the floor is raised so that a person can see what lies on it."""
     x, y, z = k.size
     if k.name == "compost_bin":
         floor = 0.4 * z
@@ -119,7 +119,7 @@ def handle_bag(k: Kit) -> None:
 
 @shape("backpack")
 def backpack(k: Kit) -> None:
-    """Standing, its top open; front pocket, straps at the back, flap folded behind."""
+    """A standing backpack, open at the top: front pocket, straps at the back, flap folded behind."""
     x, y, z = k.size
     body = z * 0.86
     x0, x1 = -x / 2 + 0.03, x / 2 - 0.06
@@ -139,7 +139,7 @@ def backpack(k: Kit) -> None:
 
 @shape("toy_box", "litter_box", "crate_open")
 def crate(k: Kit) -> None:
-    """Open boxes: a painted toy box with toys' colours, a litter tray, crates of fruit."""
+    """Open boxes: a toy box with coloured panels, a litter tray, crates of fruit."""
     x, y, z = k.size
     if k.name == "toy_box":
         open_box(k, 0.018, floor_color=shade(k.color, 0.6))

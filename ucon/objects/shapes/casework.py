@@ -1,9 +1,8 @@
-"""What closes and opens: hollow bodies, door leaves, drop doors, drawers and lids, each with its joint.
+"""Parts of furniture that opens: hollow bodies, door leaves, drop doors, drawers and lids, each with its joint.
 
-Closed, every front overlaps the edges of the body behind it, and every seam between two fronts has a strip or rail
-behind it, so nothing inside can be seen. Leaves swing to 90 degrees about an axis as far from
-their outer edge as the handle is high, which keeps an open leaf within the width of its own unit: neighbours in a
-run never touch.
+When closed, every front overlaps the edges of the body behind it, and every seam between two fronts has a strip or
+rail behind it, so nothing inside can be seen. Leaves swing to 90 degrees about an axis as far from their outer edge as
+the handle sticks out, which keeps an open leaf within the width of its own unit, so neighbouring units never touch.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ EYE_M = 1.25
 
 
 def seen_depth(floor: float, ceiling: float, setback: float = 0.0) -> float:
-    """How deep behind the front things can lie and still be seen by somebody standing within a metre of them.
+    """How far behind the front things can lie and still be seen by somebody standing within a metre of them.
 
     Args:
         floor: Height above the ground on which they stand.
@@ -122,8 +121,8 @@ def drawer(
 ) -> int:
     """A front with handle, and the open box behind it; content is carried by the joint.
 
-    The box spans ``body_x``; content goes to the part of it that can be seen with this drawer and the one above,
-    which comes out by ``above``, open.
+    The box spans ``body_x``; content goes to the part of it that is visible when this drawer and the one above it are
+    open; ``above`` is how far the upper one comes out.
     """
     joint = k.slide((front, (y[0] + y[1]) / 2, z[0]), travel)
     face = front - HANDLE
@@ -145,7 +144,7 @@ def drawer(
 
 
 def lid(k: Kit, x: Span, y: Span, z: Span, color: RGB | None = None, grip: float = 0.0) -> int:
-    """A slab that lifts about its back edge; ``grip`` is the height of what stands on it, which must clear the wall."""
+    """A slab hinged at its back edge; ``grip`` is the height of what stands on it, which must clear the wall."""
     joint = k.hinge((x[0], (y[0] + y[1]) / 2, z[1] + grip), (0.0, -1.0, 0.0), RIGHT_ANGLE)
     k.box(x, y, z, color, k.material, link=joint)
     return joint

@@ -14,7 +14,7 @@ HANDLE = (150, 104, 62)
 
 @shape("broom_stick")
 def broom(k: Kit) -> None:
-    """Standing: bristles or strands below, a long stick above; a squeegee lies."""
+    """Standing, with bristles or strands below and a long stick above; a squeegee lies flat."""
     x, y, z = k.size
     if k.name == "squeegee":
         k.unit()

@@ -1,4 +1,4 @@
-"""Cups, glasses, flasks and jugs: what one drinks and pours from."""
+"""Cups, glasses, flasks and jugs: vessels for drinking and pouring."""
 
 from __future__ import annotations
 

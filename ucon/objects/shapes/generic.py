@@ -1,4 +1,4 @@
-"""Hollow boxes and the like that several families share, and the plain shape for what has no builder of its own."""
+"""Hollow shapes that several families share, and the plain shape for categories without a builder of their own."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ucon.objects.model import Material
 from ucon.objects.palette import RGB
 
 OPEN_TOP_HEADROOM = 1.5
-"""Things may stand out of an open top up to this multiple of its inner height."""
+"""Things may stick out of an open top up to this multiple of its inner height."""
 
 
 def plain(k: Kit) -> None:

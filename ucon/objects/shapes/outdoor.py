@@ -176,7 +176,7 @@ def playground(k: Kit) -> None:
 
 @shape("stairs")
 def stairs(k: Kit) -> None:
-    """Steps rising towards the back; a railing lies as posts and a rail."""
+    """Steps rising towards +y; a railing lies flat: two rails with posts between them."""
     x, y, z = k.size
     if k.name == "railing":
         k.box((-x / 2, x / 2), (-y / 2, -y / 2 + 0.05), (0, z))

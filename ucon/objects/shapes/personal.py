@@ -38,7 +38,7 @@ def _keys(k: Kit) -> None:
 
 
 def _coin(k: Kit) -> None:
-    """Drawn as thick as wide, so that it can be seen at all: a pile of three."""
+    """A pile of three thick coins: a single coin of true thickness could not be seen."""
     color = COPPER if k.name == "penny" else SILVER
     for i, (dx, dy) in enumerate(((0.04, 0.0), (-0.04, 0.03), (0.02, -0.04))):
         span = (0.34 * i, 0.34 * i + 0.3)
@@ -157,7 +157,7 @@ _JEWELS = {
 
 @shape("jewelry_tiny")
 def jewel(k: Kit) -> None:
-    """Jewellery, larger than life where it would be too small to see."""
+    """Jewellery, enlarged where it would be too small to see."""
     k.unit()
     _JEWELS[k.name](k)
 

@@ -1,4 +1,4 @@
-"""Round and leafy fruit and vegetables, with what tells them apart: stems, leaves, stripes, florets."""
+"""Round and leafy fruit and vegetables, told apart by stems, leaves, stripes and florets."""
 
 from __future__ import annotations
 
@@ -202,6 +202,6 @@ _ROUND = {
 
 @shape("food_sphere")
 def round_food(k: Kit) -> None:
-    """Balls with what tells them apart: stems, leaves, stripes, florets, heaps of berries."""
+    """Balls, told apart by stems, leaves, stripes or florets, and heaps of berries."""
     k.unit()
     _ROUND.get(k.name, _round)(k)

@@ -145,6 +145,6 @@ _LONG = {
 
 @shape("food_long")
 def long_food(k: Kit) -> None:
-    """Things that are long: along x or along y, whichever is longer."""
+    """Long food, laid along x or y, whichever is longer."""
     k.unit()
     _LONG.get(k.name, _any_root)(k)

@@ -76,7 +76,7 @@ def straight_chair(k: Kit) -> None:
 
 @shape("garden_chair")
 def garden_chair(k: Kit) -> None:
-    """A slatted garden seat with arms, as wide as it is."""
+    """A slatted garden seat with arms, spanning its full width."""
     x, y, z = k.size
     seat, thick = 0.52 * z, 0.05
     for i in range(3):

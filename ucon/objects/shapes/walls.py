@@ -1,4 +1,4 @@
-"""Doors, windows, what hangs on walls, radiators, and pieces of the building."""
+"""Doors, windows, things that hang on walls, radiators, and pieces of the building."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ const Charts = (() => {
     return made;
   }
 
-  /** Round steps that divide a range into some four parts. */
+  /** Round steps that divide a range into about four parts. */
   function ticks(low, high) {
     const raw = (high - low) / 4 || 1, power = 10 ** Math.floor(Math.log10(raw));
     const step = [1, 2, 2.5, 5, 10].map(k => k * power).find(s => s >= raw);
@@ -54,7 +54,7 @@ const Charts = (() => {
 
   const short = value => (Math.abs(value) >= 1e4 || (value && Math.abs(value) < 1e-3) ? value.toExponential(0) : String(Number(value.toPrecision(3))));
 
-  /** A curve under its name: points are x, y, and perhaps low and high, which become a band. */
+  /** A curve under its name: points are x, y, and optionally low and high, which become a band. */
   function curve({name, x, points}) {
     const last = points.at(-1), band = last.length === 4 ? points.map(p => [p[0], p[2], p[3]]) : null;
     const drawn = lines([{points: points.map(p => p.slice(0, 2)), color: 'var(--accent)', band}],

@@ -1,4 +1,4 @@
-// One episode: map, path, camera, belief, decisions and habits, of one run or of several side by side and in step.
+// One episode: map, path, camera, belief, decisions and habits, of one run, or of several side by side in lockstep.
 'use strict';
 
 const ACTIONS = ['moves ahead', 'turns right', 'turns left', 'looks up', 'looks down', 'opens', 'says Done'];
@@ -142,7 +142,7 @@ class Side {
   }
 }
 
-/** Show an episode in `view`. `beside(way)` opens the next (1) or the one before (-1). */
+/** Show an episode in `view`. `beside(way)` opens the next (1) or the previous one (-1). */
 async function showEpisode(view, index, episode, step, beside) {
   stopPlaying();
   for (const url of view.urls ?? []) URL.revokeObjectURL(url);

@@ -30,7 +30,7 @@ for (const key of ['ArrowLeft', 'ArrowUp', 'ArrowDown', 'ArrowRight', 'PageUp', 
   const button = el('button', {type: 'button'}, NAMES[key]);
   button.addEventListener('pointerdown', event => { button.setPointerCapture(event.pointerId); held.add(key); });
   for (const end of ['pointerup', 'pointercancel', 'lostpointercapture']) button.addEventListener(end, () => held.delete(key));
-  button.addEventListener('click', event => { if (!event.detail) step(KEYS[key], .15); });  // by the keyboard
+  button.addEventListener('click', event => { if (!event.detail) step(KEYS[key], .15); });  // pressed with the keyboard
   pad.append(button);
 }
 canvas.addEventListener('keydown', event => {
@@ -48,7 +48,7 @@ form.addEventListener('submit', event => { event.preventDefault(); shownIn(line,
 home.addEventListener('change', () => { other.value = ''; shownIn(line, () => load(home.value)); });
 filter.addEventListener('input', () => listThings());
 
-/** Show a home, and stand where there is most room. */
+/** Show a home, and stand where there is most space. */
 async function load(name) {
   const found = await ask('homes/plan', {home: name});
   plan = found;
@@ -65,7 +65,7 @@ async function load(name) {
   location.hash = encodeURIComponent(plan.name);
 }
 
-/** The free node that is furthest from what is not free, roughly: with most free nodes around it. */
+/** Roughly the free node furthest from any obstacle: the one with most free nodes around it. */
 function standing() {
   let best = [-1, 0, 0];
   plan.free.forEach((row, i) => [...row].forEach((cell, j) => {
@@ -79,7 +79,7 @@ function standing() {
 
 const isFree = (x, y) => plan.free[Math.floor((x - plan.origin[0]) / .25)]?.[Math.floor((y - plan.origin[1]) / .25)] === '1';
 
-/** Move for some seconds: ahead, turn, look, each -1 to 1. Walls stop; along them one slides. */
+/** Move for some seconds: ahead, turn, look, each -1 to 1. Walls block the way, but one slides along them. */
 function step([ahead, turn, look], seconds) {
   pose.yaw = (pose.yaw + turn * TURN_S * seconds + 4) % 4;
   pose.pitch = Math.max(-60, Math.min(60, pose.pitch + look * PITCH_S * seconds));

@@ -11,7 +11,7 @@ const Lives = (() => {
   const dayName = (life, day) => `day ${day + 1}${weekdayOf(life, day) && `, ${weekdayOf(life, day)}`}`;
   const occasionOf = (life, day) => (life.occasions ?? []).find(([on]) => on === day)?.[1];
 
-  /** What a robot knew of the thing when it was asked. */
+  /** What a robot knew about the thing when it was asked for it. */
   function known({seen, moved}) {
     if (seen === null) return 'the robot had never seen it';
     const ago = seen < .5 ? 'the same day' : seen < 1.5 ? 'the day before' : `${Math.round(seen)} days before`;
@@ -50,7 +50,7 @@ const Lives = (() => {
 
   /**
    * The calendar of a life: days across, slots down, requests as cells. `life`: days, and where they are known weekday
-   * (of day 0), change (day) and occasions. `onchoose(target)` is called for a request that is chosen.
+   * (of day 0), change (day) and occasions. `onchoose(target)` is called when a request is chosen.
    */
   function calendar(life, rows, onchoose = null) {
     const line = el('p', {class: 'faint ask-line'}, 'Point at a request, or move between requests with the arrow keys.');
@@ -69,7 +69,7 @@ const Lives = (() => {
     return el('div', {}, el('div', {class: 'wide'}, table), line);
   }
 
-  /** Which requests of a calendar are for a thing. */
+  /** Mark the requests of a calendar that are for a thing. */
   function mark(node, target) {
     for (const ask of node.querySelectorAll('.ask')) ask.classList.toggle('chosen', ask.dataset.thing === target);
   }

@@ -10,7 +10,7 @@ class LiveLives {
     this.run = null;
   }
 
-  /** Show what a run has so far; nothing where it plays no lives. The life that was chosen stays. */
+  /** Show what a run has so far; nothing where it plays no lives. The chosen life stays chosen. */
   show(run) {
     if (!run.lives) { this.run = null; this.node.replaceChildren(); return; }
     const names = Object.keys(run.lives), another = this.run?.id !== run.id, chosen = another ? names.at(-1) : this.chooser.value;
@@ -21,7 +21,7 @@ class LiveLives {
     this.draw();
   }
 
-  /** The calendar of the chosen life; who goes through it by keys stays at the same request. */
+  /** The calendar of the chosen life; the keyboard focus stays on the same request. */
   draw() {
     const rows = this.run.lives[this.chooser.value], life = {days: Math.max(...rows.map(row => row.day)) + 1};
     const at = this.calendar.contains(document.activeElement) ? document.activeElement.dataset.order : undefined;

@@ -13,7 +13,7 @@ function groupsSection({groups, runs}) {
     el('p', {class: 'faint'}, 'Intervals resample whole lives (requests, if a kind occurs in one life only). Days count from 1; "seen" means seen by the robot in an earlier request.'));
 }
 
-/** A life in a line. */
+/** A life in one line. */
 function lifeName(life, number) {
   const occasions = life.occasions.map(([day, name]) => `${words(name)} on day ${day + 1}`);
   return [`${number + 1}: ${life.scene}`, life.users === 1 ? '1 person' : `${life.users} people`, `day 1 is a ${Lives.WEEKDAYS[life.weekday]}`, words(life.season), ...occasions,
@@ -27,7 +27,7 @@ function thingsOf(things, rows) {
     .map(thing => [thing.name, `${words(thing.name)} (${count.get(thing.name)})`]);
 }
 
-/** One life, drawn anew for every choice of life, run and thing. */
+/** One life, redrawn for every choice of life, run and thing. */
 class LifeView {
   constructor(index) {
     this.index = index;
@@ -72,7 +72,7 @@ class LifeView {
     const chooser = select('Run', played.map(k => [k, this.index.runs[k].label]), async value => {
       this.run = Number(value);
       await this.show();
-      this.body.querySelector('[aria-label=Run]').focus();  // the choice is drawn anew, too
+      this.body.querySelector('[aria-label=Run]').focus();  // the choice is redrawn, too
     });
     chooser.value = String(this.run);
     return el('p', {}, el('label', {class: 'row'}, 'run ', chooser));

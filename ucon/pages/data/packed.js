@@ -1,4 +1,4 @@
-// Data within the page: compressed, in base64.
+// Data contained in the page: compressed, in base64.
 'use strict';
 
 /** Plain values of a packed element; each is unpacked once. */

@@ -19,7 +19,7 @@ const plain = (text, tag = 'span') => el(tag, {class: 'plain', dir: 'auto'}, Str
 
 const percent = (share, digits = 1) => (100 * share).toFixed(digits);
 
-/** The button that goes through light, dark, and as the system has it. */
+/** The button that switches between light, dark, and the system's setting. */
 function themeButton() {
   const names = {auto: 'system', light: 'light', dark: 'dark'};
   let theme = 'auto';

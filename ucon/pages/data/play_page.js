@@ -1,4 +1,4 @@
-// Play: a person searches, with what an agent is given: the picture, the names of what is in view, the habits.
+// Play: a person searches with what an agent is given: the picture, the names of the things in view, the habits.
 'use strict';
 
 const ACTIONS = [
@@ -25,7 +25,7 @@ document.addEventListener('keydown', event => {
   act(found.action);
 });
 
-/** The first view: choose a run, or go on with one. */
+/** The first view: choose a run, or continue one. */
 async function start() {
   view = null;
   const {levels, sets, pictures, left, rules} = await ask('play/choices');

@@ -37,7 +37,7 @@ function groupsSection(index) {
     el('div', {class: 'panel'}, place));
 }
 
-/** One entry an episode: what is common, and the row of each run that played it. */
+/** One entry per episode: what is common to all runs, and the row of each run that played it. */
 function episodesOf(index) {
   const found = new Map();
   index.runs.forEach((run, number) => run.rows.forEach((row, k) => {
@@ -91,7 +91,7 @@ function listSection(index, episodes, onopen) {
   const search = el('input', {type: 'search', placeholder: 'target, home, ...', 'aria-label': 'Search episodes', oninput: event => set('text')(event.target.value)});
   show();
   return {
-    /** The episode after (1) or before (-1) another in the list as it is shown. */
+    /** The episode after (1) or before (-1) another in the list as shown. */
     beside: (episode, way) => shown[shown.indexOf(episode) + way],
     section: el('section', {id: 'list'}, el('h2', {}, 'Episodes'), el('div', {class: 'row'}, search, select('Ending', endings, set('ending')),
       select('Relation', relations, set('relation')), el('label', {}, 'sort: ', select('Sort', Object.entries(SORTS).filter(([name]) => name !== 'gap' || index.runs.length > 1).map(([name, [text]]) => [name, text]), set('sort')))),

@@ -2,7 +2,7 @@
 'use strict';
 
 const EVERY_MS = 2000;
-// Polls have a line of their own, else they would clear what a click is answered.
+// Polls have their own message line, or they would clear the answer to a click.
 const line = messageLine(), polls = messageLine(), body = el('div', {});
 main.append(el('h1', {}, 'Runs'), line, polls, body);
 const search = el('input', {type: 'search', placeholder: 'search', 'aria-label': 'Search the runs', id: 'run-search'});
@@ -86,13 +86,13 @@ async function list() {
   const found = await ask('runs/list'), text = sameBut(found, ({age_s, ...run}) => run);
   runs = found.runs;
   total = found.n;
-  if (text !== lastList || !document.activeElement?.closest('table')) fill();  // who reads the table is not disturbed
+  if (text !== lastList || !document.activeElement?.closest('table')) fill();  // does not disturb somebody who reads the table
   lastList = text;
 }
 
 const sameBut = (found, rest) => JSON.stringify(found.runs ? found.runs.map(rest) : rest(found));
 
-/** Ask again and again while the page is looked at, every second time for the list, too; an open list of episodes stays open. */
+/** Poll while the page is visible, every second time for the list, too; an open list of episodes stays open. */
 async function again(round) {
   if (!document.hidden) {
     const open = detail.querySelector('details')?.open;

@@ -4,7 +4,7 @@
 const main = document.getElementById('main');
 document.querySelector('.top').append(themeButton());
 
-/** What the server answers; its error in one line is thrown. */
+/** What the server answers; its one-line error is thrown. */
 async function ask(path, words = {}, signal = undefined) {
   return answered(fetch(`api/${path}?${new URLSearchParams(words)}`, {signal}));
 }
@@ -38,7 +38,7 @@ async function shownIn(line, work) {
   }
 }
 
-/** Put children in place of what an element has; null and undefined are left out, lists are unfolded. */
+/** Replace the children of an element; null and undefined are left out, lists are flattened. */
 const refill = (node, ...children) => node.replaceChildren(...children.flat(2).filter(child => child !== null && child !== undefined));
 
 /** A labelled control. */
@@ -51,12 +51,12 @@ const choiceOf = (values, chosen, names = {}) => el('select', {}, values.map(val
 const isTyping = event => event.ctrlKey || event.altKey || event.metaKey
   || /^(INPUT|TEXTAREA|SELECT)$/.test(event.target.tagName) && !/^(button|checkbox|radio)$/.test(event.target.type);
 
-/** Text from outside with the words that were searched for marked; never markup. */
+/** Text from outside, with the words that were searched for highlighted; never treated as markup. */
 function marked(text, words) {
   const found = el('span', {class: 'plain', dir: 'auto'});
   if (!words.length) { found.append(text); return found; }
   const low = text.toLowerCase();
-  if (low.length !== text.length) { found.append(text); return found; }  // letters that change length: no marks
+  if (low.length !== text.length) { found.append(text); return found; }  // letters that change length: nothing is highlighted
   let at = 0;
   while (at < text.length) {
     const next = words.map(word => [low.indexOf(word, at), word.length]).filter(([k]) => k >= 0).sort((a, b) => a[0] - b[0])[0];
@@ -70,7 +70,7 @@ function marked(text, words) {
 
 const wordsOf = query => query.toLowerCase().split(/\s+/).filter(Boolean);
 
-/** Wait with a task until nothing came for some time. */
+/** A function that runs a task once it has not been called for some time. */
 function later(task, ms = 150) {
   let timer = 0;
   return (...given) => { clearTimeout(timer); timer = setTimeout(() => task(...given), ms); };
@@ -81,13 +81,13 @@ const interval = (mean, [low, high], factor = 100, digits = 1) =>
 
 const spaced = name => String(name).replaceAll('_', ' ');
 
-/** Control characters as their pictures, so that nothing is hidden. */
+/** Control characters as visible symbols, so that nothing is hidden. */
 const visible = text => text.replace(/[\u0000-\u0008\u000b-\u001f]/g, c => String.fromCharCode(0x2400 + c.charCodeAt(0))).replace(/\u007f/g, '\u2421');
 
-/** The beginning of a text that would fill the page. */
+/** The beginning of a text that is too long for the page. */
 const clipped = (text, most = 600) => visible(text.length > most ? `${text.slice(0, most)}…` : text);
 
-/** A text from outside in full; a very long one is unfolded on demand. */
+/** A text from outside in full; a very long one is expanded on demand. */
 function longText(text) {
   if (text.length <= 2000) return plain(visible(text));
   return el('span', {}, plain(clipped(text)), ' ', el('button', {type: 'button', onclick: event => event.currentTarget.replaceWith(

@@ -1,4 +1,4 @@
-// The first page: what there is.
+// The first page: an overview of what there is.
 'use strict';
 
 main.append(

@@ -1,4 +1,4 @@
-// Study: habits and places, two questions each; every answer is written at once.
+// Study: habits and places, two questions each; every answer is saved immediately.
 'use strict';
 
 const line = messageLine(), body = el('div', {});
@@ -43,7 +43,7 @@ function stored() {
   try { return localStorage.getItem('ucon-name') || ''; } catch { return ''; }
 }
 
-/** The items, one at a time, from the first that is not answered. */
+/** The items, one at a time, from the first one without an answer. */
 async function answer(name) {
   study = name;
   data = await ask('study/items', {study, rater});
@@ -96,7 +96,7 @@ function go(by) {
   document.querySelector('.item input, #thanks')?.focus?.();
 }
 
-/** Write an answer; the next one waits for it, so that none overtakes another. */
+/** Save an answer; the next one waits for it, so that none overtakes another. */
 function save(one, which, value) {
   const [real, look] = which === 'none' ? [null, null] : said(one);
   const next = {real: which === 'real' ? value : real, look: which === 'look' ? value : look};
@@ -105,7 +105,7 @@ function save(one, which, value) {
   show();
   const whole = isWhole(one);
   (whole ? document.getElementById('next') : focused && document.querySelector(focused))?.focus();
-  const owner = data, sent = {study, rater, item: one.item, ...next};  // what the page shows may be another one's by then
+  const owner = data, sent = {study, rater, item: one.item, ...next};  // the page may show other answers by then
   pending += 1;
   note.textContent = 'saving …';
   saving = saving.then(() => shownIn(line, () => tell('study/answer', sent))).then(done => {

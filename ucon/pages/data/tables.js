@@ -44,7 +44,7 @@ function runsSection(index, unit = 'episodes') {
   return section;
 }
 
-/** A table of figures within groups: a row a group, three columns a run. */
+/** A table of figures within groups: one row per group, three columns per run. */
 function groupsTable(title, groups, runs) {
   const head = [title, ...runs.flatMap((run, k) => [el('span', {}, swatch(k), 'n'), 'SR % [95 %]', 'SPL [95 %]'])];
   return table(head, groups.map(group => [plain(group.name), ...group.runs.flatMap(f =>

@@ -21,7 +21,7 @@ from ucon.pages.report.teller import Telling, mind_of, stories
 from ucon.pages.report.texts import HabitTexts
 from ucon.sim.cache import load_house
 
-#: With more episodes than these, pictures are taken at decisions only, and not at all.
+#: With more episodes than the first, pictures are taken at key steps only; with more than the second, not at all.
 _ALL_UP_TO, _KEY_UP_TO = 60, 200
 _STYLES: Final = ("theme.css", "report.css")
 _SCRIPTS: Final = ("page.js", "packed.js", "plan.js", "charts.js", "tables.js", "episode.js", "report.js")
@@ -35,18 +35,19 @@ def build_report(
     *,
     actions_only: bool = False,
 ) -> str:
-    """The report of one or more finished evaluations, as the text of an HTML file; of lives see :func:`lives_report`.
+    """The report of one or more finished evaluations, as the text of an HTML file; for lives see :func:`lives_report`.
 
     Args:
         folders: of the runs.
-        pictures: at which steps the camera's picture is shown; ``auto``: at all up to 60 episodes, at decisions up to
-            200, else nowhere.
-        places: new paths by old ones, of what a configuration names.
+        pictures: steps at which the camera's picture is shown; ``auto``: all steps for up to 60 episodes, key steps for
+            up to 200, else none.
+        places: new paths by old ones, for paths that a configuration names.
         said: values that a stored configuration must not decide.
-        actions_only: tell the recorded actions alone, without the agents and what they believed.
+        actions_only: show the recorded actions only, without running the agents for their beliefs.
 
     Raises:
-        ConfigError: runs that do not fit here, some of lives and some of episodes, or pictures of lives.
+        ConfigError: runs whose configuration does not work here, some of lives and some of episodes, or pictures of
+            lives.
         DataError: a run without records, damaged, or whose episodes are not here.
     """
     found = read_runs(folders)
@@ -88,7 +89,7 @@ def build_report(
 def _told(
     number: int, part: Part, how: Telling, texts: HabitTexts, missing: str
 ) -> tuple[dict[str, str], dict[str, Any]]:
-    """Packed data of a run's episodes by name, and what the page says of the run."""
+    """Packed data of a run's episodes by name, and what the page says about the run."""
     made, records, summary = part.kept.decisions(), part.run.records, part.kept.summary
     jobs = [(e, r, made.get(r.episode, [])) for e, r in zip(part.played, records, strict=True)]
     reads, habit_level = bool(summary.get("uses_habits", True)), str(part.config["habit_level"]["name"])
@@ -115,7 +116,7 @@ def _told(
 
 
 def _row(record: Any) -> dict[str, Any]:
-    """What the list of episodes shows of one."""
+    """The row of one episode in the list of episodes."""
     return {
         "id": record.episode,
         "scene": record.scene,

@@ -1,6 +1,6 @@
-"""What the records of lives show by themselves: every request as a cell of a calendar, and figures by day.
+"""What can be shown of lives from their records: every request as a cell of a calendar, and figures by day.
 
-Nothing else is needed, so a run can be shown while it is played.
+Only the records are needed, so a run can be shown while it is played.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from ucon.evaluation.kept.record import EpisodeRecord
 
 
 def rows_by_life(records: Sequence[EpisodeRecord]) -> dict[str, list[dict[str, Any]]]:
-    """The requests of each life, in their order.
+    """The requests of each life, in order.
 
     Args:
         records: of lives; others are left out.
 
     Returns:
-        By id of the life, one of :func:`row_of` a request.
+        By id of the life, one row per request, see :func:`row_of`.
     """
     found: dict[str, list[EpisodeRecord]] = {}
     for record in records:
@@ -58,7 +58,7 @@ def curves_of(records: Sequence[EpisodeRecord]) -> dict[str, list[list[float | N
         records: of lives.
 
     Returns:
-        ``sr`` and ``spl``: of each day (from 1), the mean and its 95 % interval over lives, which is None, None where
+        ``sr`` and ``spl``: for each day (from 1), the mean and its 95 % interval over lives, which is None, None where
         a single life has that day.
     """
     return {

@@ -1,4 +1,4 @@
-"""A life as a report tells it: its days, where each thing truly was, and where a robot held it to be. Privileged."""
+"""A life as a report shows it: its days, where each thing was, and where a robot believed it to be. Privileged."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ucon.task.spoken import spoken_place
 
 
 def head_of(life: Life) -> dict[str, Any]:
-    """What a life is chosen by: home, people, first weekday (0: Monday), season, occasions, and day of the change."""
+    """Facts to choose a life by: home, people, first weekday (0: Monday), season, occasions, and day of the change."""
     return {
         "id": life.id,
         "scene": life.scene,
@@ -36,7 +36,7 @@ def head_of(life: Life) -> dict[str, Any]:
 
 @dataclass(frozen=True, eq=False)
 class LifeStory:
-    """Tells a life, and what robots held to be so in it."""
+    """Describes a life, and what robots believed in it."""
 
     truth: Truth
 
@@ -49,8 +49,8 @@ class LifeStory:
         """The possessions.
 
         Returns:
-            Of each its ``name``, whether its habits ``change``, its ``places`` in words, which of them are
-            ``mistakes``, and where it is ``at``: [time, place] from the first time on, whenever that changes.
+            For each, its ``name``, whether its habits ``change``, its ``places`` in words, which of them are
+            ``mistakes``, and where it is ``at``: [time, place] at the first time and whenever the place changes.
         """
         at = Timeline(self.life).at
         return [
@@ -65,7 +65,7 @@ class LifeStory:
         ]
 
     def words(self, possession: int) -> list[str]:
-        """The places of a possession in words, no two alike: the room is added where they are, then a number."""
+        """The places of a possession in words; to tell equal ones apart, the room is added, then a number."""
         rooms = load_house(self.life.scene).spec.rooms
         places = self.life.possessions[possession].places
         words = [spoken_place(*spot) for spot in self.truth.spots[possession]]
@@ -82,8 +82,8 @@ class LifeStory:
             records: of the run, all of this life.
 
         Returns:
-            :func:`ucon.pages.report.life_records.row_of` of each in their order, with the ``user`` who asks, and, for
-            a robot that remembers places, those that it ``believed``: row of the nearest place of the thing (-1 where
+            :func:`ucon.pages.report.life_records.row_of` of each in order, with the ``user`` who asks, and, for a
+            robot that remembers places, those that it ``believed``: number of the nearest place of the thing (-1 where
             none is within 0.6 m), probability, and words.
         """
         number = {one.category: k for k, one in enumerate(self.life.possessions)}
@@ -98,14 +98,14 @@ class LifeStory:
 
 
 def held(believed: Sequence[BelievedPlace], places: NDArray[np.float64]) -> list[list[Any]]:
-    """Believed places, as rows of the true ones.
+    """Believed places, matched to the true ones.
 
     Args:
         believed: of a request.
         places: (P, 3) true places of the thing, metres in the frame of the dock.
 
     Returns:
-        Of each: number of the nearest true place, -1 where none is within 0.6 m; probability; words.
+        For each: number of the nearest true place, -1 where none is within 0.6 m; probability; words.
     """
     found: list[list[Any]] = []
     for place in believed:
@@ -116,19 +116,19 @@ def held(believed: Sequence[BelievedPlace], places: NDArray[np.float64]) -> list
 
 
 def _changes(places: NDArray[np.int16]) -> list[list[int]]:
-    """(time, place) of each time at which a thing is elsewhere than before."""
+    """(time, place) at the first time, and at each time at which a thing is elsewhere than before."""
     first = [True, *(places[1:] != places[:-1])]
     return [[int(time), int(places[time])] for time in np.flatnonzero(first)]
 
 
 def _unlike(texts: Sequence[str], longer: Sequence[str]) -> list[str]:
-    """Texts; the longer ones where there are several alike."""
+    """The texts, or the longer ones in place of equal texts."""
     count = Counter(texts)
     return [long if count[text] > 1 else text for text, long in zip(texts, longer, strict=True)]
 
 
 def _numbered(texts: Sequence[str]) -> list[str]:
-    """Texts; with a number where there are several alike."""
+    """The texts, with numbers added to equal ones."""
     count, seen = Counter(texts), Counter[str]()
     found = []
     for text in texts:

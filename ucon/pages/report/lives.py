@@ -24,7 +24,7 @@ _SCRIPTS: Final = ("page.js", "packed.js", "charts.js", "tables.js", "lives.js",
 
 
 def lives_report(parts: Sequence[Part]) -> str:
-    """The report of runs of lives, as the text of an HTML file. It is made of their records alone.
+    """The report of runs of lives, as the text of an HTML file, made from the records and lives without playing them.
 
     Args:
         parts: the runs.
@@ -69,7 +69,7 @@ def told(life: Life, parts: Sequence[Part]) -> dict[str, Any]:
         parts: the runs.
 
     Returns:
-        ``things`` and ``runs``, one list of requests a run, None where it did not play this life.
+        ``things`` and ``runs``, one list of requests per run, None where it did not play this life.
     """
     story = LifeStory(Truth.of(life))
     mine = [_records_in(life, part) for part in parts]

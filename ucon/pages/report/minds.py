@@ -1,4 +1,4 @@
-"""The agent that plays beside a record, to tell what it believed, and what it asked a language model."""
+"""Runs an agent alongside a record, to find out what it believed and what it asked a language model."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from ucon.language.choice import Answer, LanguageModel, Question
 from ucon.search.thoughts import Thoughts
 from ucon.task.agent import Agent
 
-#: Longest text of a prompt or an answer that is told, characters.
+#: Longest text of a prompt or an answer that is shown, characters.
 _MOST_TEXT: Final = 20_000
 
 
 class HeardModel:
-    """A language model whose questions and answers are noted.
+    """A language model whose questions and answers are recorded.
 
     Attributes:
         said: system message, user message and answer of each question since the last :meth:`take`.
@@ -29,7 +29,7 @@ class HeardModel:
         return getattr(self._model, name)
 
     def answer(self, questions: Sequence[Question]) -> list[Answer]:
-        """The model's answers, which are noted."""
+        """The model's answers, which are recorded."""
         answers = list(self._model.answer(questions))
         for question, answer in zip(questions, answers, strict=True):
             said = answer.text or (question.options[answer.choice].name if answer.choice >= 0 else "no usable answer")
@@ -43,14 +43,14 @@ class HeardModel:
 
 
 class Minds:
-    """What an agent thinks while it does what was recorded.
+    """What an agent thinks while it takes the recorded actions.
 
     Attributes:
-        same: whether it did what was recorded, so far.
+        same: whether its actions have been the recorded ones so far.
         beliefs: step, things (category, box in world metres, share) and goal (x, y in world metres, or None), each time
             that they changed.
         others: by step, the other views that could have been chosen: aim, and gain over cost in words.
-        asked: by step, what was asked of a language model and answered.
+        asked: by step, what a language model was asked and what it answered.
         relevance: by given habit, how much it says about the place.
     """
 
@@ -58,9 +58,9 @@ class Minds:
         """Begin an episode.
 
         Args:
-            agent: plays beside; None: nothing is told.
-            start_xy: of the agent's first pose, metres in the world frame.
-            heading: of the same, quarter turns.
+            agent: the agent that runs alongside; None: nothing is noted.
+            start_xy: position of the agent's first pose, metres in the world frame.
+            heading: heading of the same pose, quarter turns.
         """
         self.agent, self._start_xy, self._heading = agent, start_xy, heading
         self.same = True
@@ -75,13 +75,13 @@ class Minds:
             self.agent.reset([info], [0])
 
     def act(self, observation: Any, info: Any, recorded: int, step: int) -> None:
-        """Let the agent act, and note its thoughts; once it does something else than was recorded, it is left out.
+        """Let the agent act, and note its thoughts; once its action differs from the recorded one, it is dropped.
 
         Args:
             observation: of the step.
             info: of the step.
-            recorded: what was done then.
-            step: actions before.
+            recorded: the recorded action.
+            step: number of actions before.
         """
         if self.agent is None:
             return

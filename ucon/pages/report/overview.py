@@ -17,7 +17,7 @@ _RESAMPLES: Final = 2_000
 
 
 def figures_of(records: Sequence[EpisodeRecord], resamples: int = 10_000) -> dict[str, Any]:
-    """SR and SPL with their 95 % intervals, and what tables show beside them.
+    """SR and SPL with their 95 % intervals, and the other figures that tables show.
 
     Args:
         records: at least one.

@@ -1,4 +1,4 @@
-"""A finished run as a report takes it: what was kept, its configuration, and what was played."""
+"""A finished run as a report needs it: what is stored of it, its configuration, and what was played."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from ucon.programs.evaluating import chosen_episodes, chosen_requests
 
 @dataclass(frozen=True)
 class Part:
-    """One run of a report, ready to be told."""
+    """One run of a report, with everything that is shown of it."""
 
     run: Run
     kept: FinishedRun
     config: dict[str, Any]
     played: Sequence[Any]
-    """Its episodes, or the requests of its lives, in their order."""
+    """Its episodes, or the requests of its lives, in order."""
 
     def said(self) -> dict[str, Any]:
         """What the table of runs shows: names, folder, set, and ``figures``."""
@@ -44,11 +44,11 @@ def part_of(folder: Path, run: Run, places: Mapping[str, str], said: Mapping[str
     Args:
         folder: of the run.
         run: its label and records.
-        places: new paths by old ones, of what its configuration names.
+        places: new paths by old ones, for paths that its configuration names.
         said: values that a stored configuration must not decide.
 
     Raises:
-        ConfigError: its configuration does not fit here.
+        ConfigError: its configuration does not work here.
         DataError: a part of the folder is missing, or other episodes are here than were played.
     """
     try:

@@ -1,4 +1,4 @@
-"""The camera's pictures of an episode, small: each pose is drawn once, and kept as WebP."""
+"""Small pictures of the camera in an episode: each pose is drawn once, and stored as WebP."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from ucon.sim.render import RasterRenderer
 from ucon.task.search import Search
 
 Pictures = Literal["none", "key", "all"]
-#: Side of a picture, pixels, and quality of its WebP: half a kilobyte each.
+#: Side of a picture in pixels, and quality of its WebP: a picture takes half a kilobyte.
 SIDE_PX: Final = 112
 _QUALITY: Final = 25
 
 
 def small_renderer(fov_deg: float) -> RasterRenderer:
-    """The renderer of all pictures of a run, with its rules' angle of view."""
+    """The renderer of all pictures of a run, with the angle of view of its rules."""
     return RasterRenderer(SIDE_PX, SIDE_PX, fov_deg)
 
 
@@ -43,7 +43,7 @@ class Album:
         renderer.load(search.world.house, search.world.arrangement)
 
     def take(self) -> int:
-        """Number of the picture of the current pose, which is drawn where it was not before."""
+        """Number of the picture of the current pose, which is drawn unless it was drawn before."""
         opened = tuple(np.flatnonzero(self._search.opened).tolist())
         for instance in opened:
             if instance not in self._opened:

@@ -1,4 +1,4 @@
-"""What happened in one episode, as plain values: found by taking the recorded actions again."""
+"""What happened in one episode, as plain values, found by taking the recorded actions again."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Story:
     Attributes:
         facts: plain values for the page; see :func:`tell`.
         pictures: WebP files, which ``facts["frames"]`` numbers.
-        same: whether the agent, where it played beside, did what was recorded.
+        same: whether the agent, where one ran alongside, took the recorded actions.
     """
 
     facts: dict[str, Any]
@@ -55,16 +55,16 @@ def tell(
         episode: the episode.
         record: its record.
         decisions: what the agent chose.
-        agent: plays beside, for its beliefs; None: only what was recorded is told.
+        agent: runs alongside, for its beliefs; None: only the recorded actions are shown.
         renderer: of the pictures; None for none.
-        pictures: ``key``: at the start, the end, decisions, openings, and where the target is seen first.
+        pictures: ``key``: at the start, the end, decisions, openings, and where the target is first seen.
 
     Returns:
-        The story; ``facts`` has ``place`` (the target's, in words), ``room``, ``believed`` (in the thing that keeps
-        it: first step, step of the largest share, that share; or None), ``lost`` (why, in words), ``placed``,
-        ``target``, ``poses`` (x, y, heading, pitch a step, from the start), ``frames`` (number of the picture a step,
-        -1 for none), ``opened`` (step, instance), ``blocked`` (steps), ``decisions``, ``beliefs`` (step, things, goal)
-        and ``relevance`` (by given habit).
+        The story; ``facts`` has ``place`` (the target's, in words), ``room``, ``believed`` (belief in the thing that
+        keeps it: first step, step of the largest share, that share; or None), ``lost`` (why, in words), ``placed``,
+        ``instances`` (number of the home's), ``target``, ``poses`` (x, y, heading, pitch per step, from the start),
+        ``frames`` (number of the picture per step, -1 for none), ``opened`` (step, instance), ``blocked`` (steps),
+        ``decisions``, ``beliefs`` (step, things, goal) and ``relevance`` (by given habit).
     """
     observation, info = env.reset(options={"episode": episode})
     search = env.search
@@ -107,9 +107,9 @@ def tell(
 
 
 def _believed(minds: Minds, world: Any, episode: Episode) -> list[float] | None:
-    """When the agent first believed in the thing that keeps the target, when most, and how much of its belief then.
+    """First step with belief in the thing that keeps the target, step with the largest share of belief, and that share.
 
-    None where it never did, told nothing, or that thing is no item of the home.
+    None where the agent never believed in it, has no beliefs, or that thing is no item of the home.
     """
     placed = episode.target_object
     keeper = placed.holder if placed.holder >= 0 else placed.anchor
@@ -130,7 +130,7 @@ def _believed(minds: Minds, world: Any, episode: Episode) -> list[float] | None:
 
 
 def _decision(decision: DecisionRecord, minds: Minds) -> dict[str, Any]:
-    """A decision for the page: its options with scores, or where only the chosen one is kept, the other views."""
+    """A decision for the page: its options with scores or, where only the chosen one is stored, the other views."""
     step = decision.step
     told: dict[str, Any] = {"step": step, "kind": decision.kind, "words": decision.words, "text": decision.text}
     if len(decision.options) > 1:

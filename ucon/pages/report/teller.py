@@ -1,4 +1,4 @@
-"""Tells the episodes of a run, in worker processes."""
+"""Makes the stories of a run's episodes, in worker processes."""
 
 from __future__ import annotations
 
@@ -20,31 +20,31 @@ from ucon.pages.report.story import Story, tell
 from ucon.task.episode import Episode
 from ucon.task.rules import task_rules
 
-#: What is told of each episode: itself, its record, and what the agent chose.
+#: What a story is made from: the episode, its record, and the agent's decisions.
 Told = tuple[Episode, EpisodeRecord, Sequence[DecisionRecord]]
-#: Fewer episodes are told in this process, since starting others takes seconds.
+#: Fewer episodes than this are handled in this process, since starting others takes seconds.
 _FEW: Final = 8
 
 
 @dataclass(frozen=True)
 class Telling:
-    """How the episodes of one run are told; plain data, sent to workers."""
+    """How the stories of one run are made; plain data, sent to workers."""
 
     config: dict[str, Any]
     """Configuration of the run."""
     thinks: bool
-    """Whether the agent plays beside."""
+    """Whether the agent runs alongside."""
     pictures: Pictures
 
 
 def mind_of(config: dict[str, Any]) -> tuple[bool, str]:
-    """Whether an agent has anything to tell besides its record, and can be had here.
+    """Whether an agent has anything to show besides its record, and can be run here.
 
     Args:
         config: of the run.
 
     Returns:
-        Whether it plays beside; and a line for the page why it does not, "" where nothing is missing.
+        Whether it runs alongside; and a line for the page that says why not, "" where nothing is missing.
     """
     try:
         agent = Factory(config["agent"])()
@@ -58,13 +58,13 @@ def mind_of(config: dict[str, Any]) -> tuple[bool, str]:
 
 
 class Teller:
-    """Tells episodes of one run, one after the other."""
+    """Makes the stories of one run's episodes, one after the other."""
 
     def __init__(self, how: Telling) -> None:
         """Build environment and agent.
 
         Args:
-            how: what to tell.
+            how: how the stories are made.
         """
         self._how = how
         env = dict(how.config["env"])
@@ -81,7 +81,7 @@ class Teller:
         self._renderer = None if how.pictures == "none" else small_renderer(task_rules(str(env["task"])).fov_deg)
 
     def tell(self, episode: Episode, record: EpisodeRecord, decisions: Sequence[DecisionRecord]) -> Story:
-        """Tell one episode; see :func:`ucon.pages.report.story.tell`."""
+        """Make the story of one episode; see :func:`ucon.pages.report.story.tell`."""
         if self._env is None:
             self._env = Factory(self._env_config, {"episodes": (episode,)})().unwrapped
         assert self._env is not None
@@ -105,10 +105,10 @@ def _tell(*told: Any) -> Story:
 
 
 def stories(how: Telling, episodes: Sequence[Told]) -> Iterator[Story]:
-    """The stories of episodes, in their order.
+    """The stories of episodes, in order.
 
     Args:
-        how: what to tell.
+        how: how the stories are made.
         episodes: of the run.
     """
     workers = resolve_workers("auto", len(episodes))

@@ -28,7 +28,7 @@ class HabitTexts:
             level: habit level of the run.
 
         Returns:
-            ``given`` in the order of the agent, ``household`` (all), and ``about`` (those about the target).
+            ``given`` in the order given to the agent, ``household`` (all), and ``about`` (those about the target).
         """
         given: Any = source.knowledge(episode, level)
         return {

@@ -11,12 +11,12 @@ from ucon.learning.run.run_folder import CARD, METRICS, check_run_folder, read_c
 from ucon.pages.document import document, packed
 from ucon.pages.thinning import thinned
 
-#: Most points of a curve; longer ones are thinned evenly.
+#: Largest number of points of a curve; longer ones are thinned evenly.
 _MOST_POINTS: Final = 600
 
 
 def is_training_run(folder: Path) -> bool:
-    """Whether a folder is of a run of ``train.py``."""
+    """Whether a folder holds a run of ``train.py``."""
     return (folder / METRICS).is_file()
 
 

@@ -14,10 +14,10 @@ from starlette.routing import Route
 from ucon.core.errors import ConfigError, UconError, brief
 from ucon.core.untrusted.strict_json import JsonError, parse_json
 
-#: Largest request in bytes: an answer of a study or an action has some hundred.
+#: Largest request in bytes: an answer of a study or an action has a few hundred.
 MOST_BYTES: Final = 1 << 16
 
-#: Of the query's words (GET) or the body's object (POST) to what is answered: plain values, or a response.
+#: From the query's words (GET) or the body's object (POST) to the answer: plain values, or a response.
 Handler = Callable[[Mapping[str, Any]], Any]
 
 
@@ -84,10 +84,10 @@ def text(words: Mapping[str, Any], name: str, most: int = 200, default: str | No
         words: of the request.
         name: of the text.
         most: longest length in characters.
-        default: where it is not given; None: it has to be.
+        default: value where none is given; None: one is required.
 
     Raises:
-        ConfigError: missing, no text, or too long.
+        ConfigError: it is missing, not a text, or too long.
     """
     value = words.get(name, default)
     if not isinstance(value, str) or len(value) > most:
@@ -103,10 +103,10 @@ def whole(words: Mapping[str, Any], name: str, low: int, high: int, default: int
         name: of the number.
         low: least value.
         high: largest value.
-        default: where it is not given; None: it has to be.
+        default: value where none is given; None: one is required.
 
     Raises:
-        ConfigError: missing, no whole number, or out of range.
+        ConfigError: it is missing, not a whole number, or out of range.
     """
     value = words.get(name, default)
     if isinstance(value, str) and value.isascii() and value.isdecimal() and len(value) < 12:
@@ -126,13 +126,13 @@ def number(words: Mapping[str, Any], name: str, low: float, high: float) -> floa
         high: largest value.
 
     Raises:
-        ConfigError: missing, no number, or out of range.
+        ConfigError: it is missing, not a number, or out of range.
     """
     try:
         value = float(text(words, name, 32))
     except ValueError:
         value = math.nan
-    if not low <= value <= high:  # NaN is not
+    if not low <= value <= high:  # also refuses NaN
         raise ConfigError(f"{name}={brief(words.get(name))}: expected a number from {low:g} to {high:g}")
     return value
 
@@ -146,7 +146,7 @@ def choice(words: Mapping[str, Any], name: str, among: tuple[str, ...]) -> str:
         among: those that may be chosen.
 
     Raises:
-        ConfigError: another one.
+        ConfigError: it is not one of them.
     """
     value = words.get(name)
     if not isinstance(value, str) or value not in among:

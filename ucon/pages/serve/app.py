@@ -1,4 +1,4 @@
-"""The application: pages, their scripts, and what they ask for, all below the token."""
+"""The application: pages, their scripts, and the data that they request, all below the token."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def make_app(desk: Desk, token: str, port: int) -> ASGIApp:
     Args:
         desk: folders and habits.
         token: of the address.
-        port: that it is served at.
+        port: port at which it is served.
     """
     games, maker = Games(desk.out / "play", desk.homes), ReportMaker()
 

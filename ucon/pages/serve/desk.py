@@ -1,4 +1,4 @@
-"""What the pages of one server share: where things are written, which habits and runs are shown."""
+"""What the pages of one server share: where they write, and which habits and runs they show."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ class Desk:
     """Folders and habits of a server."""
 
     out: Path
-    """Folder of what is played and answered."""
+    """Folder for what is played and answered."""
     folders: tuple[Path, ...]
     """Where runs are looked for."""
     dataset: HabitDataset
-    """The habits of the pages Habits, Homes and Study; played are those of the episodes."""
+    """The habits of the pages Habits, Homes and Study; episodes are played with their own habits."""
     homes: Mapping[str, Path] = field(default_factory=dict)
     """Home files whose searches can be played, by the names of their sets."""
 
@@ -38,11 +38,11 @@ def is_name(value: object) -> bool:
 
 
 def checked_name(value: object, what: str) -> str:
-    """A name that becomes part of a path.
+    """Check a name that becomes part of a path.
 
     Args:
         value: as it was given.
-        what: it is of, for the error.
+        what: what the name is of, for the error.
 
     Raises:
         ConfigError: anything but letters, digits, hyphens and underscores.

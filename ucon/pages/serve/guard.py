@@ -1,8 +1,8 @@
-"""What every request has to pass: a token in the address, this machine's name, no other page behind it.
+"""Checks that every request has to pass: the token in the address, the name of the host, and no other page as source.
 
 Other pages that are open in the same browser can send requests to this machine. They do not know the token; a name
 that somebody else points to 127.0.0.1 (DNS rebinding) is not among the hosts; and a form or script of another page is
-told by ``Origin`` and ``Sec-Fetch-Site``.
+recognised by ``Origin`` and ``Sec-Fetch-Site``.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-#: Pages load scripts, styles and pictures from here alone, talk to nobody else and are in no frame.
+#: Pages load scripts, styles and pictures from here alone, send requests nowhere else, and may not be framed.
 _POLICY: Final = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
-#: A report is one file with its scripts in it. It may run them, but asks nobody, and is of no origin.
+#: A report is one file with its scripts in it. It may run them, but may send no requests, and has no origin.
 REPORT_POLICY: Final = (
     "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
     "img-src data: blob:; media-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
@@ -50,7 +50,7 @@ class Guard:
         Args:
             app: what is guarded; its paths begin with the token.
             token: of the address.
-            port: that is listened on.
+            port: port that the server listens on.
         """
         self._app, self._token = app, token
         self._hosts = frozenset(f"{name}:{port}" for name in ("127.0.0.1", "localhost"))
@@ -86,7 +86,7 @@ class Guard:
         return None
 
     def _from_here(self, headers: Headers) -> bool:
-        """Whether no other page asks; following a link to here is allowed."""
+        """Whether the request does not come from another page; following a link to here is allowed."""
         origin, site = headers.get("origin"), headers.get("sec-fetch-site", "none")
         if origin is not None and origin not in {f"http://{host}" for host in self._hosts}:
             return False

@@ -1,4 +1,4 @@
-"""What the page *Habits* asks for: the households of a home, their sentences, and where each can come true."""
+"""Routes of the page *Habits*: the households of a home, their sentences, and where each can come true."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ def household_of(house: House, dataset: HabitDataset, seed: int = 0) -> dict[str
     Args:
         house: the home.
         dataset: the habits.
-        seed: another seed, other people; 0 are those of the episodes.
+        seed: each seed gives other people; 0 gives those of the episodes.
 
     Returns:
-        ``labelled``: whether it is known which sentence tells of which place; ``things``: by anchor category, the
-        numbers of the home's things; ``entries``: one a household and category, with ``places`` and ``habits``.
+        ``labelled``: whether it is known which sentence is about which place; ``things``: by anchor category, the
+        numbers of the home's things; ``entries``: one per household and category, with ``places`` and ``habits``.
     """
     things: dict[str, list[int]] = {}
     for number, item in enumerate(house.spec.items):
@@ -59,7 +59,7 @@ def household_of(house: House, dataset: HabitDataset, seed: int = 0) -> dict[str
 
 
 def _entry(host: Hosted, resident: Resident) -> dict[str, Any]:
-    """An entry; ``refusal`` says why nothing of its category is ever searched in this home."""
+    """An entry; ``refusal`` says why nothing of its category is ever searched for in this home."""
     entry = host.entry
     notes = [resident.notes.get((entry.id, k)) for k in range(len(entry.placements))]
     return {

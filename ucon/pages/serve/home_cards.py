@@ -1,4 +1,4 @@
-"""Cards of things: what one is, and what the habits keep there."""
+"""Cards of things: what a thing is, and what is kept there by the habits."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ucon.sim.state import SceneState
 
 
 class Cards:
-    """Says of the things of a home what can be kept there, by the habits of a dataset."""
+    """Says what can be kept at the things of a home, by the habits of a dataset."""
 
     def __init__(self, dataset: HabitDataset) -> None:
-        """Cards by a dataset.
+        """Make cards from a dataset.
 
         Args:
             dataset: the habits.
@@ -41,7 +41,7 @@ class Cards:
 
         Returns:
             ``category``, ``size_m`` (width, depth, height as it stands), ``bottom_m``, ``room``, ``openable``, and
-            ``kept``: by relation, the categories that can be kept there in this home, those of most entries first.
+            ``kept``: by relation, the categories that can be kept there in this home, those with most entries first.
         """
         item, box = house.spec.items[thing], house.boxes[thing]
         kept: dict[str, list[str]] = {}

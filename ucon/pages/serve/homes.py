@@ -1,4 +1,4 @@
-"""What the page *Homes* asks for: plans, cards of things, and frames of a walk."""
+"""Routes of the page *Homes*: plans, cards of things, and frames of a walk."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from ucon.sim.house import House
 from ucon.sim.state import SceneState
 
 _Words = Mapping[str, Any]
-#: Names of homes: scenes, their variants, generated ones and people's own. Nothing that could be a path.
+#: Names of homes: scenes, their variants, generated ones and users' own. Nothing that could be a path.
 _NAME: Final = re.compile(
     r"[A-Za-z0-9_]{1,60}(~[0-9]{1,9})?|procedural:[a-z_]{1,30}:[0-9]{1,9}|own:[a-z0-9_]{1,40}:[0-9a-f]{12}"
 )
-#: Most homes of people's own that are listed.
+#: Largest number of users' own homes that are listed.
 _MOST_OWN: Final = 50
-#: Things that are open at once in a walk.
+#: Largest number of things that are open at once in a walk.
 _MOST_OPEN: Final = 200
 
 
@@ -39,7 +39,7 @@ def home_of(words: _Words) -> House:
         words: of the request; ``home`` is its name.
 
     Raises:
-        ConfigError: that can be no home's name.
+        ConfigError: this cannot be the name of a home.
         UconError: there is no such home, or it cannot be built here.
     """
     name = text(words, "home", 100)

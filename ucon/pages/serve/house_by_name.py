@@ -8,12 +8,12 @@ from typing import Final
 from ucon.sim.cache import load_house
 from ucon.sim.house import House
 
-#: Homes with the same lock wait for each other; most do not.
+#: Homes that share a lock wait for each other; most do not share one.
 _LOCKS: Final = tuple(threading.Lock() for _ in range(16))
 
 
 def house_by_name(name: str) -> House:
-    """The home of a name, as :func:`ucon.sim.cache.load_house` gives it.
+    """The home with a name, as :func:`ucon.sim.cache.load_house` gives it.
 
     Args:
         name: of the home.

@@ -1,4 +1,4 @@
-"""Makes reports of runs, one at a time, each by a process of its own."""
+"""Makes reports of runs, one at a time, each in a separate process."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class ReportMaker:
         return {"making": self._making == run.id, "fault": self._faults.get(run.id, "")}
 
     def make(self, run: FoundRun) -> None:
-        """Begin to make the report of a run, beside it.
+        """Start making the report of a run, which is written into its folder.
 
         Args:
             run: the run.
@@ -48,7 +48,7 @@ class ReportMaker:
         threading.Thread(target=self._work, args=(run,), daemon=True).start()
 
     def close(self) -> None:
-        """End what is being made; nothing more is begun."""
+        """Stop making the current report; no other is started."""
         with self._lock:
             self._closed = True
             if self._process is not None:
@@ -63,7 +63,7 @@ class ReportMaker:
                 self._process, self._making = None, ""
 
     def _fault(self, run: FoundRun) -> str:
-        """Make a report; why it could not be made, or ""."""
+        """Make a report; returns why it could not be made, or ""."""
         try:
             with self._lock:
                 if self._closed:

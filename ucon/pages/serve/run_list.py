@@ -19,10 +19,10 @@ from ucon.learning.run.run_folder import METRICS
 REPORT: Final = "report.html"
 #: Largest summary in bytes.
 MOST_SUMMARY: Final = 1 << 24
-#: How deep below a folder runs are looked for, in how many folders at most, and which are none.
+#: How deep below a folder runs are looked for, in how many folders at most, and which folders are skipped.
 _DEEPEST, _MOST_FOLDERS = 4, 4000
 _NO_RUNS: Final = frozenset({"checkpoints", "model", "pictures", "tensorboard", "wandb", "__pycache__"})
-#: Seconds for which a list holds.
+#: Seconds for which a list is used before the folders are read again.
 _HOLDS_S: Final = 2.0
 
 
@@ -31,7 +31,7 @@ class FoundRun:
     """A folder with a run in it."""
 
     id: str
-    """Stands for it in addresses, so that no path does."""
+    """Used in addresses in place of its path."""
     name: str
     path: Path
     kind: str
@@ -40,7 +40,7 @@ class FoundRun:
     written_s: float
     """When something was last written, seconds since 1970."""
     report: bool
-    """Whether there is a report of it."""
+    """Whether it has a report."""
     can_report: bool
     """Whether one can be made: its metrics or, of a finished evaluation, its records are here."""
 
@@ -49,7 +49,7 @@ class RunList:
     """The runs below some folders."""
 
     def __init__(self, folders: Sequence[Path]) -> None:
-        """Look in these folders.
+        """Look for runs in these folders.
 
         Args:
             folders: absolute paths.
@@ -114,7 +114,7 @@ def _run(path: Path, top: Path, files: frozenset[str]) -> FoundRun | None:
 
 
 def _is_of_training(path: Path) -> bool:
-    """Whether a summary is of ``train.py``; of some trainings nothing else is kept, as in ``results/``."""
+    """Whether a summary is of ``train.py``; of some training runs nothing else is kept, as in ``results/``."""
     try:
         said = read_json(path, "train again", max_bytes=MOST_SUMMARY)
     except DataError:

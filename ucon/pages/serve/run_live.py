@@ -1,4 +1,4 @@
-"""Figures of runs, also while they run: of evaluations from finished episodes, of trainings from their metrics."""
+"""Figures of runs, also while they run: of evaluations from finished episodes, of training runs from their metrics."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ from ucon.pages.thinning import thinned
 
 #: Figures of a summary that the page shows.
 _SHOWN: Final = ("n", "success_rate", "success_rate_ci95", "spl", "spl_ci95", "steps", "failure_causes")
-#: Most points of a curve, and most episodes and lives that are listed.
+#: Largest number of points of a curve, of episodes listed, and of lives listed.
 _POINTS, _LISTED, _LIVES = 400, 12, 50
-#: Most finished runs whose figures are kept.
+#: Largest number of finished runs whose figures are kept.
 _KEPT: Final = 1000
 
 
 def _line_of_partial(line: bytes) -> Any:
     """A record, or the first line's number of episodes (-1 where it has none); None for a damaged line.
 
-    Checksums are left to whoever goes on with the run: here a line is only shown.
+    Checksums are not verified here, where a line is only shown, but by the command that continues the run.
     """
     try:
         value = parse_json(line.partition(b" ")[2])
@@ -49,7 +49,7 @@ def _line_of_partial(line: bytes) -> Any:
 
 
 def _line_of_metrics(line: bytes) -> Mapping[str, Any] | None:
-    """Figures of a step; None for a line that is none. A diverged run may have NaN in it, which is left out."""
+    """Figures of a step; None for an invalid line, such as one with NaN, which a diverged run may have."""
     try:
         value = parse_json(line)
     except JsonError:
@@ -118,7 +118,7 @@ class LiveFigures:
         return {**row, "curves": _success_curve(records), "episodes": listed[::-1]}
 
     def _kept(self, what: str, run: FoundRun, read: Callable[[FoundRun], dict[str, Any]]) -> dict[str, Any]:
-        """What is read of a run; of a finished one it is read once."""
+        """What ``read`` gives for a run; a finished run is read only once."""
         key = (what, run.id, run.written_s)
         if key in self._finished:
             return self._finished[key]
@@ -166,7 +166,7 @@ def _row(label: str, habits: str, figures: Mapping[str, Any], total: int | None)
 
 
 def _trained_once(folder: Path) -> dict[str, Any]:
-    """The row of a training of which the summary alone is kept, as in ``results/``."""
+    """The row of a training run of which only the summary is kept, as in ``results/``."""
     said = read_json(folder / SUMMARY, "train again", max_bytes=MOST_SUMMARY)
     steps, score = said.get("steps"), said["best"].get("score")
     return {
@@ -179,7 +179,7 @@ def _trained_once(folder: Path) -> dict[str, Any]:
 
 
 def _said(folder: Path) -> dict[str, Any]:
-    """What a training's configuration says: the constructors of agent's policy and learner, and the last step."""
+    """Facts from a training run's configuration: constructors of the agent's policy and the learner, and last step."""
     try:
         config = yaml.safe_load(without_aliases(read_plain(folder / CONFIG, MOST_BYTES).decode()))
         agent, learner = config["agent"], config["learner"]["_target_"]
@@ -196,7 +196,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _curves(lines: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """The loss of the steps and all figures of validations, each against its steps."""
+    """Curves of the training loss and of all validation figures, against steps."""
     names = sorted({name for line in lines for name in line if name.startswith("val/")})
     found = []
     for name in ["loss", *names]:

@@ -1,4 +1,4 @@
-"""What the page *Runs* asks for: the list, the figures of one run, and its report."""
+"""Routes of the page *Runs*: the list, the figures of one run, and its report."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ucon.pages.serve.report_maker import ReportMaker
 from ucon.pages.serve.run_list import REPORT, FoundRun, RunList
 from ucon.pages.serve.run_live import LiveFigures
 
-#: Most runs in the list, and the largest report in bytes.
+#: Largest number of runs in the list, and the largest report in bytes.
 _LISTED, _MOST_REPORT = 300, 1 << 28
 _Words = Mapping[str, Any]
 
@@ -26,7 +26,7 @@ def run_routes(runs: RunList, maker: ReportMaker) -> list[Route]:
     """Routes of the page.
 
     Args:
-        runs: that are shown.
+        runs: the runs that are shown.
         maker: makes their reports.
     """
     figures = LiveFigures()

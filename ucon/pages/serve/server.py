@@ -1,4 +1,4 @@
-"""Listening on this machine alone, and ending by Ctrl-C."""
+"""Serves the pages on this machine alone, until Ctrl-C."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ucon.pages.serve.desk import Desk
 from ucon.pages.serve.guard import new_token
 
 HOST: Final = "127.0.0.1"
-#: Port where none is asked for; another free one where it is taken.
+#: Port where none is asked for; if it is taken, a free one is used.
 PORT: Final = 8765
 
 
@@ -29,7 +29,7 @@ def listening(port: int | None) -> socket.socket:
     Raises:
         ConfigError: the port is taken, or may not be used.
     """
-    # Named as TCP, else asyncio leaves small packets waiting, 40 ms for each answer.
+    # The protocol is named, since otherwise asyncio lets small packets wait, 40 ms for each answer.
     made = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
@@ -51,7 +51,7 @@ def serve(desk: Desk, port: int | None, ready: Callable[[str], None]) -> None:
     Args:
         desk: folders and habits.
         port: see :func:`listening`.
-        ready: is called with the address once it is listened on.
+        ready: is called with the address once the server listens there.
 
     Raises:
         ConfigError: the port cannot be used, or another server writes to the same folder.

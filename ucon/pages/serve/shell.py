@@ -15,7 +15,7 @@ import ucon.pages
 _DATA: Final = Path(ucon.pages.__file__).parent / "data"
 _TYPES: Final[Mapping[str, str]] = {".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 
-#: Pages by name: title, and the scripts beside those of all pages.
+#: Pages by name: title, and the scripts in addition to those of all pages.
 PAGES: Final[Mapping[str, tuple[str, Sequence[str]]]] = {
     "runs": ("Runs", ("charts.js", "lives.js", "lives_live.js")),
     "homes": ("Homes", ("plan.js",)),

@@ -1,6 +1,6 @@
-"""Studies on the disk: a key, and for every rater the sheet that ``habits survey score`` reads.
+"""Studies on disk: a key, and for every rater the sheet that ``habits survey score`` reads.
 
-A rater's sheet is written anew, whole, with every answer, so that nothing is lost and nothing half written.
+With every answer, the rater's whole sheet is written again atomically, so that nothing is lost or half written.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from ucon.habits import HabitDataset
 from ucon.pages.serve.desk import checked_name, is_name
 
 _KEY: Final = "key.csv"
-#: Most studies and raters that are listed, and the longest sentence: Python's CSV reader takes no longer cell.
+#: Largest numbers of studies and raters listed, and the longest sentence: Python's CSV reader takes no longer cell.
 _MOST, _LONGEST = 200, 100_000
 
 
@@ -52,7 +52,7 @@ class Studies:
             try:
                 raters = self._raters(path.parent)[:_MOST]
                 found.append({"name": path.parent.name, "items": len(read_key(path)), "raters": raters})
-            except UconError:  # a damaged key is told where the study is opened
+            except UconError:  # a damaged key is reported where the study is opened
                 found.append({"name": path.parent.name, "items": None, "raters": []})
         return found
 
@@ -111,7 +111,7 @@ class Studies:
         return {one.item: one for one in read_sheet(path, key)}
 
     def answer(self, name: str, rater: str, item: int, real: int | None, look: str | None) -> dict[int, Rating]:
-        """Write an answer down.
+        """Store an answer.
 
         Args:
             name: of the study.
@@ -139,7 +139,7 @@ class Studies:
             if any(one.real is not None or one.look for one in said.values()):
                 write_atomic(path, sheet_csv(list(key.values()), said))
             else:
-                path.unlink(missing_ok=True)  # a sheet without answers is none
+                path.unlink(missing_ok=True)  # a sheet without answers is not kept
             return said
 
     def figures(self, name: str) -> Mapping[str, Any] | None:
@@ -177,7 +177,7 @@ class Studies:
         return self._folder / checked_name(name, "study") / _KEY
 
     def _raters(self, folder: Path) -> list[str]:
-        """All who have a sheet; other files, such as ``ann copy.csv``, are none."""
+        """All raters who have a sheet; other files, such as ``ann copy.csv``, do not count."""
         return sorted(path.stem for path in (folder / "sheets").glob("*.csv") if is_name(path.stem))
 
 

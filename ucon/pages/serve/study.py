@@ -1,4 +1,4 @@
-"""What the page *Study* asks for: items without their key, answers, figures, and the sheets as files."""
+"""Routes of the page *Study*: items without their key, answers, figures, and sheets and key as files."""
 
 from __future__ import annotations
 

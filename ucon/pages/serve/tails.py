@@ -1,4 +1,4 @@
-"""Files that grow while somebody else writes them: only what is new is read."""
+"""Reads files that grow while another process writes them: only what is new is read."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
-#: Files whose lines are kept, bytes that are read at once, and the longest line.
+#: Largest number of files whose lines are kept, of bytes that are read at once, and of bytes in a line.
 _MOST_FILES, _MOST_READ, _LONGEST = 64, 1 << 28, 1 << 24
 _START: Final = 256
 
@@ -24,13 +24,13 @@ class _Tail:
 
 
 class Tails:
-    """The lines of growing files as values; lines that are none are left out."""
+    """The lines of growing files as values; invalid lines are left out."""
 
     def __init__(self, read: Callable[[bytes], Any]) -> None:
         """Files of one kind.
 
         Args:
-            read: gives the value of a line without its line break; None where it is none.
+            read: gives the value of a line without its line break; None for an invalid line.
         """
         self._read = read
         self._tails: OrderedDict[Path, _Tail] = OrderedDict()
@@ -40,7 +40,7 @@ class Tails:
         """Values of all whole lines that are there now.
 
         Args:
-            path: of the file; one that is shorter or begins otherwise than before is read anew.
+            path: of the file; one that is shorter or begins differently than before is read again from the start.
 
         Raises:
             OSError: it cannot be read.

@@ -1,4 +1,4 @@
-"""A walk through a home: frames of the project's own renderer, drawn as they are asked for."""
+"""A walk through a home: frames of the project's own renderer, drawn on request."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ucon.sim.render import RasterRenderer
 WIDTH, HEIGHT, FOV_DEG = 560, 400, 90.0
 EYE_M: Final = 1.4
 _QUALITY: Final = 88
-#: Homes that are kept loaded.
+#: Largest number of homes that are kept loaded.
 _MOST: Final = 4
 
 
@@ -63,18 +63,18 @@ class _Walk:
 
 
 class Walks:
-    """Walks through several homes; those not used for long are forgotten."""
+    """Walks through several homes; those not used for the longest time are dropped."""
 
     def __init__(self) -> None:
         self._walks: OrderedDict[str, _Walk] = OrderedDict()
         self._lock = threading.Lock()
 
     def frame(self, house: House, camera: Camera, opened: frozenset[int]) -> bytes:
-        """What is seen, as JPEG.
+        """What the camera sees, as JPEG.
 
         Args:
             house: the home.
-            camera: where from.
+            camera: the camera.
             opened: numbers of the things that are open.
         """
         return self._of(house).frame(camera, opened)
@@ -84,10 +84,10 @@ class Walks:
 
         Args:
             house: the home.
-            camera: where from.
+            camera: the camera.
             opened: numbers of the things that are open.
-            u: from the left, 0 to 1.
-            v: from the top, 0 to 1.
+            u: position from the left, 0 to 1.
+            v: position from the top, 0 to 1.
 
         Returns:
             Number of the item; None for walls, floor, ceiling and sky.

@@ -25,7 +25,7 @@ class PlaceWeights(NamedTuple):
     """Weight of each relation to one thing, by the kind of the thing.
 
     Unit of all five: the weight of the top of a piece of fixed furniture is 1. ``inside_closed`` is for things with
-    doors, ``inside_open`` for things that are open as they stand.
+    doors or drawers, ``inside_open`` for things without.
     """
 
     ontop: float
@@ -50,7 +50,7 @@ def _by_kind() -> dict[Kind, PlaceWeights]:
 
 @dataclass(frozen=True)
 class CoverageWeights(Shared):
-    """How often targets are in which kind of place, without regard to what the target is.
+    """How often targets are in each kind of place, whatever the target is.
 
     Unit of all weights: the top of a piece of fixed furniture is 1. ``things`` are maximum likelihood estimates from
     the 400 episodes of the validation set. The model of that fit: the target is at one of the things of its home,
@@ -91,7 +91,7 @@ class Coverage(PartlyShared):
 
         Args:
             known: the map, with T tracks.
-            places: not used; what was looked at is taken into account by whoever values views.
+            places: not used; what was looked at is taken into account when views are valued.
 
         Returns:
             ``mass`` (T, 4) float64 by track and relation, and the weights per square metre of unexplored and far space.

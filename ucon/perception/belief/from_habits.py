@@ -1,4 +1,4 @@
-"""From the habits an agent is given to its belief about the target's place.
+"""Turns the habits that an agent is given into its belief about the target's place.
 
 Habits are read once at the reset. At habit level ``context`` they are read again whenever the list of habits changes.
 """
@@ -21,7 +21,7 @@ from ucon.readers.anchor_reader import default_reader
 from ucon.readers.protocol import Reader, read_info
 
 Info = Mapping[str, Any]
-#: What is less probable is left out.
+#: Cases less probable than this are left out.
 _LEAST_PROBABLE = 1e-6
 #: A function from the info at an episode's reset to the distribution over the target's anchor and relation.
 Locate = Callable[[Info], Locations]
@@ -30,7 +30,7 @@ Locate = Callable[[Info], Locations]
 class ReadHabits(Shared):
     """Reads habits into a distribution over anchors and relations; a prior of common places fills the gaps.
 
-    Calls itself :data:`Locate`. Configurations name it as ``locate``.
+    An instance is a :data:`Locate`. Configurations name it as ``locate``.
     """
 
     def __init__(self, reader: Reader | None = None) -> None:
@@ -52,8 +52,9 @@ class ReadHabits(Shared):
     def __call__(self, info: Info) -> Locations:
         """Read ``info["habits"]`` about ``info["target"]``, in the context ``info["told"]`` where there is one.
 
-        At habit level ``gt`` the reader is told that all habits are about the target. Where ``info["habits_valid"]``
-        says how probably each habit has not changed since it was told, the belief is a mixture over what may be.
+        At habit level ``gt`` the reader knows that all habits are about the target. Where ``info["habits_valid"]``
+        gives the probability that each habit has not changed since it was told, the belief is a mixture over the sets
+        of habits that may still hold.
 
         Returns:
             Joint probability (A, 4) of anchor and relation, with the H habits, their relevance and their support.
@@ -84,7 +85,7 @@ class ReadHabits(Shared):
 
 
 def _since_told(valid: NDArray[np.float64]) -> Iterator[tuple[float, NDArray[np.int64]]]:
-    """What may be: probability, and rows of the habits that still hold. A change ends all that were told before it.
+    """Cases of the mixture: probability, and rows of habits that still hold. A change ends all habits told before it.
 
     Args:
         valid: (H,) probability that each habit has not changed since it was told.
@@ -106,12 +107,12 @@ def expecting(
     """Make the belief of one episode.
 
     Args:
-        info: the info at the reset. With the key ``reranking`` (habit level ``context``) the belief reads again as the
-            list of habits changes.
+        info: the info at the reset. With the key ``reranking`` (habit level ``context``) the belief reads the habits
+            again whenever their list changes.
         locate: reads the habits of an info.
         coverage: weights of the part of the belief that follows coverage; defaults where None.
         weights: how the distribution is spread over the map; defaults where None.
-        locations: what ``locate`` says of ``info``, where that was computed already.
+        locations: the result of ``locate(info)``, where it was computed already.
 
     Returns:
         A belief that implements :class:`ucon.perception.belief.protocol.Expecting`.
@@ -129,12 +130,12 @@ class ContextBelief(TargetBelief):
     def __init__(
         self, locations: Locations, coverage: Coverage, weights: BeliefWeights, info: Info, locate: Locate
     ) -> None:
-        """As :class:`TargetBelief`, and besides ``info`` of the reset (its ``reranking``) and the reader ``locate``."""
+        """As :class:`TargetBelief`, plus ``info`` of the reset (for its ``reranking``) and the reader ``locate``."""
         super().__init__(locations, coverage, weights)
         self._info, self._locate = dict(info), locate
 
     def reread(self, known: SemanticMap, places: Places) -> bool:
-        """Report the anchors seen and found empty to the re-ranking; read the list if it changed.
+        """Report the anchors seen, and those found empty, to the re-ranking; read the list again if it changed.
 
         Args:
             known: the map so far.

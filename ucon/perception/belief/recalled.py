@@ -1,4 +1,4 @@
-"""What a memory says of the target's place, and a search that uses it beside what it reads from habits."""
+"""Where a memory says that the target may be, and expected mass that combines this with what the habits say."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from ucon.perception.mapping.semantic_map import SemanticMap
 from ucon.perception.places.target_places import NOTED, Places
 from ucon.perception.views.viewpoints import Expectation
 
-#: A remembered place is where the nearest sample point of the map is, if that is not farther off, metres.
+#: A remembered place is matched to the nearest sample point of the map, if that is no farther away than this, metres.
 NEAR_M = 0.6
-#: The same for points of the anchor and relation by which it is remembered: compartments have but a few points.
+#: The same for points of the anchor and relation by which the place is remembered: compartments have only a few points.
 OF_ANCHOR_M: Final = 1.0
-#: So much of the probability of a remembered place is at that point; the rest is shared by the points of its anchor and
-#: relation, since people put things near where they were, too.
+#: Share of the probability of a remembered place that is at the place itself; the rest is shared by the points of its
+#: anchor and relation, since people also put things near where they were.
 EXACTLY: Final = 0.6
-#: Sample points of two requests are of one place within this, metres.
+#: Sample points of two requests that are no farther apart than this are the same place, metres.
 SAME_M: Final = 0.3
 #: Sample points of different relations count as so far apart, metres.
 _APART_M: Final = 100.0
@@ -37,10 +37,10 @@ class Recalled(Shared):
 
     Attributes:
         xyz: (n, 3) places where it was seen, metres in the frame of the map.
-        p: (n,) probability of each; what is missing to 1 is elsewhere.
+        p: (n,) probability of each; the rest up to 1 is elsewhere.
         spots: relation and anchors of each of the n places, as far as they are known.
         looked: (m, 4) points that earlier requests looked at, see :func:`points_of`.
-        left: (m,) what is left there, 0 to 1, of the probability of a place that was not looked at.
+        left: (m,) factor, 0 to 1, by which these looks lowered the probability of each point.
         size: (n, 3) sides of what was seen at each of the n places, metres; 0 where they are not known.
     """
 
@@ -62,10 +62,10 @@ def points_of(places: Places) -> NDArray[np.float64]:
 
 
 def nearest(tree: cKDTree | None, to: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """The point (of a tree; None: of none) that is nearest to each of others (n), and whether it is of the same place.
+    """The point of a tree that is nearest to each of n others, and whether it is of the same place.
 
     Args:
-        tree: of points (m, 4), see :func:`points_of`.
+        tree: of points (m, 4), see :func:`points_of`; None: no points.
         to: (n, 4) other points.
 
     Returns:
@@ -79,7 +79,7 @@ def nearest(tree: cKDTree | None, to: NDArray[np.float64]) -> tuple[NDArray[np.i
 
 
 class Remembering(PartlyShared):
-    """Expected mass by memory where there is one, and for the rest by what was expected without it.
+    """Expected mass from memory and, for the rest of the probability, from what is expected without memory.
 
     Implements :class:`ucon.perception.belief.protocol.Expecting`.
     """
@@ -87,7 +87,7 @@ class Remembering(PartlyShared):
     _shared: ClassVar[frozenset[str]] = frozenset({"_looked"})
 
     def __init__(self, inner: Expecting, recalled: Recalled) -> None:
-        """Combine both.
+        """Combine the expected mass without memory with what is remembered.
 
         Args:
             inner: expected mass without memory.
@@ -105,7 +105,7 @@ class Remembering(PartlyShared):
         return self._inner.locations
 
     def weigh(self, p: NDArray[np.float64]) -> None:
-        """Give the remembered places other probabilities.
+        """Set the probabilities of the remembered places.
 
         Args:
             p: (n,) of each; 0 for those that were 0 at the start.
@@ -117,7 +117,7 @@ class Remembering(PartlyShared):
         return self._inner.reread(known, places)
 
     def expect(self, known: SemanticMap, places: Places) -> Expectation:
-        """See :meth:`ucon.perception.belief.protocol.Expecting.expect`; divides it among the sample points, too."""
+        """See :meth:`ucon.perception.belief.protocol.Expecting.expect`; also divides it among the sample points."""
         found, (rows, p) = self._inner.expect(known, places), self._at(known, places)
         rest, kind = 1.0 - float(p.sum()), 4 * places.track + places.relation
         self._look_back(places)
@@ -136,7 +136,7 @@ class Remembering(PartlyShared):
         )
 
     def _look_back(self, places: Places) -> None:
-        """What earlier looks left of the sample points that are new."""
+        """Note, for new sample points, the factor by which looks of earlier requests lowered their probability."""
         n = len(self._left)
         if len(places.xyz) > n:
             row, same = nearest(self._looked, points_of(places)[n:])
@@ -145,10 +145,10 @@ class Remembering(PartlyShared):
             self._left = np.append(self._left, left)
 
     def _at(self, known: SemanticMap, places: Places) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Sample points that stand for the remembered places that the map has, and the probability of each.
+        """Sample points that stand for remembered places on the map, and the probability of each.
 
-        Each place has a point of its own, of the thing by which the map has it now: looked for again where the map has
-        other things.
+        Each place has a point of its own, which is assigned to a thing near it on the map. That thing is looked up
+        again when the points of the map have changed.
         """
         state = (len(places.even), int(np.count_nonzero(places.even)))
         if state != self._of:
@@ -164,7 +164,7 @@ class Remembering(PartlyShared):
         return self._rows[there], self._recalled.p[there]
 
     def _attach(self, number: int, like: int, places: Places) -> None:
-        """Give the point of a place to the thing of another point; -1: the map has none there."""
+        """Assign the point of a place to the thing of the point ``like``; -1: the map has no thing there."""
         if like == self._like[number]:
             return
         row = int(self._rows[number])
@@ -184,7 +184,7 @@ class Remembering(PartlyShared):
     ) -> None:
         """Put points of the anchor and relation by which a place is remembered before all others.
 
-        What is in the fridge is found by opening it, even where a point beside the butter is nearer.
+        Something in the fridge is found by opening the fridge, even if a point of another thing is nearer.
 
         Args:
             away: (n, k) distances of places and points, updated.
@@ -205,6 +205,6 @@ class Remembering(PartlyShared):
 
 
 def remembering(expecting: Expecting, info: Mapping[str, Any]) -> Expecting:
-    """The expected mass of a search: by memory too, where the reset's info has ``recalled``."""
+    """The expected mass of a search: combined with memory, where the info at the reset has ``recalled``."""
     recalled = info.get("recalled")
     return expecting if recalled is None else Remembering(expecting, recalled)

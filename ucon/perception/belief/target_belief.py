@@ -61,7 +61,7 @@ class BeliefWeights(Shared):
     home_m2: float = 130.0
     """Expected floor of a home in square metres; unexplored mass is spread over the part not explored yet."""
     least_m2: float = 25.0
-    """The unexplored part is taken to be at least so many square metres."""
+    """The unexplored part is taken to be at least this many square metres."""
     least_share: float = 0.25
     """The unexplored part is taken to be at least this share of the explored part."""
 
@@ -109,12 +109,11 @@ class TargetBelief(PartlyShared):
         """Expected mass, given the map so far; see :meth:`ucon.perception.belief.protocol.Expecting.expect`.
 
         The unit is probability: all mass of a home of common size comes to about 1. What was seen of the places is not
-        yet taken off (:meth:`ucon.perception.places.target_places.Places.weights` does that).
+        yet taken into account (:meth:`ucon.perception.places.target_places.Places.weights` does that).
 
         Returns:
-            ``mass`` (T, 4), mass per square metre of unexplored and of far space, and ``interest`` (257, 257) float32
-                factors
-            of unexplored cells.
+            ``mass`` (T, 4), mass per square metre of unexplored and of far space, and ``interest``, (257, 257) float32
+                factors of unexplored cells.
         """
         flat = self._coverage.expect(known, places)
         explored_m2 = float(np.count_nonzero(known.floor)) * CELL_M**2

@@ -1,4 +1,4 @@
-"""Detectors turn frames into tracked things. One file each; all share one vocabulary and one output."""
+"""Detectors turn frames into tracked things. Each has its own file; all share one vocabulary and one output format."""
 
 from ucon.perception.detectors.base import Detector, Frame, vocabulary
 from ucon.perception.detectors.gt import GtDetector

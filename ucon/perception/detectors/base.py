@@ -1,7 +1,7 @@
 """The input of a detector (:class:`Frame`), its interface (:class:`Detector`), and the names it looks for.
 
-Every detector looks for all categories of the catalogue. The categories of one home or episode would tell the agent
-what is there.
+Every detector looks for all categories of the catalogue. A list of the categories of one home or episode would reveal
+to the agent what is there.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ucon.core.geometry import HEADING_COS, HEADING_SIN
 from ucon.objects.catalogue import catalogue
 from ucon.perception.mapping.detections import STRUCTURE_KINDS, Detections
 
-#: A yaw this near to a quarter turn is one: poses have single precision.
+#: A yaw this near to a quarter turn counts as one, since poses have single precision.
 _EXACT_RAD: Final = 1e-6
 
 
@@ -43,7 +43,7 @@ class Frame:
     counts: NDArray[np.int32]
     """(n_instances,) pixels of each instance in the rules' canonical view of 128 x 128 from the same pose."""
     counts_fov_deg: float = 90.0
-    """Angle of that view."""
+    """Angle of the canonical view."""
 
     @property
     def camera(self) -> NDArray[np.float64]:
@@ -104,6 +104,6 @@ class Detector(Protocol):
 def vocabulary() -> tuple[str, ...]:
     """The names that detectors look for: all categories of the catalogue, in its order.
 
-    Floors, walls and ceilings are left out: they are told by geometry.
+    Floors, walls and ceilings are left out: they are recognised by geometry.
     """
     return tuple(name for name in catalogue().names if name not in STRUCTURE_KINDS)

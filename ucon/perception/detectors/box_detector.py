@@ -29,7 +29,7 @@ class BoxDetector(PartlyShared, ABC):
 
         Args:
             gate_m: boxes of one category farther apart than this, in metres, are two things.
-            errors: file of this detector's errors; None: those that come with the package, where there are any.
+            errors: file with this detector's errors; None: those that come with the package, where there are any.
         """
         self._errors_file = errors
         self._tracker = Tracker(gate_m)
@@ -40,8 +40,8 @@ class BoxDetector(PartlyShared, ABC):
         """The fitted errors of this detector; None where they are not known.
 
         Raises:
-            ConfigError: a file was named that is not there, or is of another detector.
-            DataError: it is no such file.
+            ConfigError: the file named does not exist, or its errors are those of another detector.
+            DataError: the file does not hold the errors of a detector.
         """
         if self._errors_file is not None:
             return read_errors(self.name, Path(self._errors_file))

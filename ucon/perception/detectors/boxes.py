@@ -25,7 +25,7 @@ class Boxes:
     """(n, H, W) pixels of each box's thing; None from detectors that do not segment."""
 
     def check(self, detector: str) -> None:
-        """Refuse what no detector may report.
+        """Check that scores and edges are what a detector may report.
 
         Args:
             detector: its name, for the error.
@@ -65,7 +65,7 @@ class Boxes:
 
         Args:
             iou: of boxes of one label that overlap by more than this, the one with the highest score stays.
-            most: at most so many boxes are kept.
+            most: most boxes that are kept.
 
         Returns:
             The kept boxes, by falling score.

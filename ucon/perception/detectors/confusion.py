@@ -1,6 +1,6 @@
 """Which category a simulated detector confuses with which: similar size and shape, found in the same rooms.
 
-Computed from the catalogue. It was not measured on a detector; real detectors confuse by looks and wording.
+Computed from the catalogue, not measured on a detector; real detectors confuse things by looks and wording.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def similarity() -> NDArray[np.float64]:
 
 @lru_cache(maxsize=4096)
 def confusion(name: str) -> NDArray[np.float64]:
-    """Probability of every name of the vocabulary, given that ``name`` is called by a wrong one.
+    """Probability of every name of the vocabulary, given that a thing of category ``name`` gets a wrong one.
 
     Sizes count by a Gaussian over their mean squared log ratio (a factor 1.5 is one standard deviation). The same
     archetype counts six times, the same semantic group three times, shared rooms up to three times.

@@ -41,10 +41,10 @@ class GroundingDinoDetector(OpenVocabularyDetector):
             threshold: least score of a box.
             text_threshold: least score of a token that belongs to a box's phrase.
             nms_iou: of boxes of one name that overlap by more, the best stays.
-            most_boxes: of one frame.
+            most_boxes: most boxes that are kept in one frame.
             names: the vocabulary, by default all names of the catalogue.
-            gate_m: of the tracker, metres.
-            errors: file of its errors; None: those that come with the package, where there are any.
+            gate_m: boxes of one category farther apart than this, in metres, are two things.
+            errors: file with its errors; None: those that come with the package, where there are any.
 
         Raises:
             ConfigError: a number is out of its range.

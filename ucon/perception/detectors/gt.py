@@ -32,7 +32,7 @@ class GtDetector(PartlyShared):
 
         Args:
             min_pixels: least pixels of an instance in the canonical 128 x 128 view.
-            range_m: an instance is not named from farther away than so many metres, by its nearest pixel; None: no
+            range_m: instances whose nearest pixel is farther away than this many metres are not reported; None: no
                 limit.
 
         Raises:

@@ -25,7 +25,7 @@
   are normally distributed by 7.5 % of the side give the same share. Real errors have longer tails.
 - False positives. Estimated, with no figure behind it: 0.3 boxes a frame.
 
-``noisy_low`` and ``noisy_high`` are what the estimates leave open on either side.
+``noisy_low`` and ``noisy_high`` are the two ends of what the estimates leave open.
 """
 
 from __future__ import annotations
@@ -54,9 +54,9 @@ class Rates(Shared):
         recall: probability that a near thing that shows whole is found, at each of ``recall_px`` pixels. Interpolated
             linearly in the logarithm of the pixels, constant beyond the ends.
         recall_px: sizes in pixels of the canonical 128 x 128 view, ascending.
-        hidden: factor of it where only a share of the thing shows, at each of ``hidden_share``. Linear between.
+        hidden: factor of the recall where only a share of the thing shows, at each of ``hidden_share``. Linear between.
         hidden_share: pixels that show over those that a thing of its catalogue size would have there, ascending.
-        far: factor of it at each of ``far_m``. Linear between.
+        far: factor of the recall at each of ``far_m``. Linear between.
         far_m: distances in metres, ascending.
         false_labels: probability that a found thing gets a wrong name.
         false_positives: expected boxes on nothing in a frame whose every pixel shows a surface.
@@ -100,7 +100,7 @@ class Rates(Shared):
 
     @property
     def apart(self) -> float:
-        """Distance of the two score distributions in their standard deviations."""
+        """Distance between the two score distributions, in their standard deviations."""
         return 2.0**0.5 * NormalDist().inv_cdf(self.auroc)
 
     def curves(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:

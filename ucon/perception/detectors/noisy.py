@@ -1,10 +1,10 @@
 """The ``noisy`` detector: the instances in view with the errors of an open-vocabulary detector, without running one.
 
-It misses things (small, hidden and distant ones more often), confuses similar categories, reports things where there
-are none, its scores tell right from wrong only partly, and its boxes are inexact. Errors persist, as a real detector's
-do: they depend on the thing (or the spot), on which of eight sides it is seen from, and on its distance to a factor of
-two, but never on the frame. A second look from the same pose shows the same; walking round a thing may correct an
-error.
+It misses things (small, hidden and distant ones more often), confuses similar categories, and reports things where
+there are none. Its scores separate right from wrong boxes only partly, and its boxes are inexact. Errors persist, as a
+real detector's do: they depend on the thing (or the spot), on which of eight sides it is seen from, and on its distance
+to within a factor of two, but never on the frame. A second look from the same pose shows the same; walking round a
+thing may correct an error.
 
 Where the rates come from: :mod:`ucon.perception.detectors.noise_rates`.
 """
@@ -53,11 +53,11 @@ class NoisyDetector(BoxDetector):
 
         Args:
             rates: how often each error occurs; the published estimates by default.
-            name: of this strength of errors.
+            name: of the detector with errors of this strength.
             min_pixels: instances with fewer pixels in the canonical 128 x 128 view are never found.
             seed: of the random errors.
-            gate_m: of the tracker, metres.
-            errors: file of its errors; None: those that come with the package, where there are any.
+            gate_m: boxes of one category farther apart than this, in metres, are two things.
+            errors: file with its errors; None: those that come with the package, where there are any.
         """
         super().__init__(gate_m, errors)
         self.name = name

@@ -19,7 +19,7 @@ SPOT_M = 0.5
 FOUND, WRONG, NAME, EDGES, SCORE = 0, 1, 2, 3, 7
 #: Most pixels of the canonical view that a thing is expected to have: nearer than that it never shows whole.
 _WHOLE_PX = 4000.0
-#: Scores of small things are lower by so many standard deviations between a recall of 1 and of 0; see ``score``.
+#: Standard deviations by which scores are higher at a recall of 1 than at 0, and by which all are lower; see ``score``.
 _SIZE_SHIFT, _LEVEL = 0.8, 0.6
 
 
@@ -95,9 +95,9 @@ def score(key: Any, apart: float, right: bool, sure: float, least: float) -> flo
 
     Args:
         key: of the look.
-        apart: distance of the distributions of right and wrong boxes, in their standard deviations.
+        apart: distance between the distributions of right and wrong boxes, in their standard deviations.
         right: whether a thing has its own name.
-        sure: probability that a thing of this size is found; it moves both distributions alike.
+        sure: probability that a thing of this size is found; it moves both distributions by the same amount.
         least: boxes with a lower score are not reported.
     """
     z = normal(key, SCORE) + (0.5 if right else -0.5) * apart + _SIZE_SHIFT * (sure - 0.5) - _LEVEL
@@ -145,7 +145,7 @@ def things(
         key: of the episode.
         camera: (8,) float64.
         counts: (n,) int32, pixels of the instances in the canonical view.
-        surface_m2: (n,) float64, of a box of the catalogue's size; 0 for what is no thing.
+        surface_m2: (n,) float64, of a box of the catalogue's size; 0 for structure.
         outlines: box (n, 4), middle (n, 3) and count (n,) of :func:`outline`.
         curves: of the recall.
         rates: probability of a wrong name, distance of the score distributions, jitter, least score, least pixels, and
@@ -154,7 +154,7 @@ def things(
             -1 for the right one, else a uniform number that stands for a wrong one.
 
     Returns:
-        How many things are found; only so many rows are written, by instance.
+        How many things are found; as many rows are written, ordered by instance.
     """
     box, middle, count = outlines
     instance, name, scores, boxes = found
@@ -194,7 +194,7 @@ def _spots(depth: F32, camera: F64, grid: int, key: int, look: Any, pixel: I32) 
         pixel: (grid * grid, 2) int32, written: column u and row v.
 
     Returns:
-        How many raster pixels show a surface; only so many rows are written.
+        How many raster pixels show a surface; as many rows are written.
     """
     rows, columns = depth.shape
     x, y, cam_z, c, s, cp, sp, focal_px = camera
@@ -238,7 +238,7 @@ def false_boxes(
         found: pixel (g, 2) int32, name (g,) and score (g,) float64, written; the name is a uniform number.
 
     Returns:
-        How many there are; only so many rows are written, in the order of the raster.
+        How many there are; as many rows are written, in the order of the raster.
     """
     chance, apart, least = rates
     at, name, scores = found

@@ -43,11 +43,11 @@ class Owlv2Detector(OpenVocabularyDetector):
             weights: which model, device and dtype.
             threshold: least score of a box.
             nms_iou: of boxes of one name that overlap by more, the best stays.
-            most_boxes: of one frame.
+            most_boxes: most boxes that are kept in one frame.
             names: the vocabulary, by default all names of the catalogue.
-            gate_m: of the tracker, metres.
-            errors: file of its errors; None: those that come with the package, where there are any.
-            batch: names that are embedded at a time.
+            gate_m: boxes of one category farther apart than this, in metres, are two things.
+            errors: file with its errors; None: those that come with the package, where there are any.
+            batch: number of names that are embedded at a time.
 
         Raises:
             ConfigError: a number is out of its range.

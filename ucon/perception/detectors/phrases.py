@@ -1,4 +1,4 @@
-"""Prompts for grounding models that fit a text window, and the way from their phrases back to catalogue names."""
+"""Prompts for grounding models that fit a text window, and the mapping of their phrases back to catalogue names."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _GAPS = re.compile(r"[^a-z0-9']+")
 def plain(text: str) -> str:
     """Text in lower case with single spaces: "T - Shirt." and ``t_shirt`` become "t shirt".
 
-    Signs other than letters, digits and apostrophes separate words.
+    Characters other than letters, digits and apostrophes separate words.
     """
     return _GAPS.sub(" ", text.lower()).strip()
 
@@ -27,7 +27,7 @@ class Names:
         """Number of phrases so far that contained no name."""
 
     def of(self, phrase: str) -> str | None:
-        """The name that a phrase is, else the longest name that it contains as whole words.
+        """The name equal to a phrase, else the longest name that the phrase contains as whole words.
 
         Args:
             phrase: what the model reported, such as "coffee mug handle".

@@ -22,7 +22,7 @@ MOST_BYTES = 1 << 24
 class WorkerLink:
     """One running program.
 
-    Any failure ends it. The error says in one line what happened and what the program printed last.
+    Any failure ends the program. The error says in one line what happened and what the program printed last.
     """
 
     def __init__(self, command: Sequence[str], what: str) -> None:

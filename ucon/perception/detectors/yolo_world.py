@@ -1,6 +1,6 @@
 """YOLO-World through ``ultralytics``, in a process and a Python environment of its own.
 
-That package is AGPL-3.0 and replaces the headless OpenCV, so it must not be installed beside UcON. Set it up once:
+That package is AGPL-3.0 and replaces the headless OpenCV, so it must not be installed alongside UcON. Set it up once:
 
     python -m venv yolo-world
     yolo-world/bin/pip install ultralytics git+https://github.com/ultralytics/CLIP.git
@@ -61,14 +61,14 @@ class YoloWorldDetector(BoxDetector):
             weights: file of a YOLO-World model.
             threshold: least score of a box, from 0 to below 1.
             nms_iou: of boxes of one name that overlap by more, the best stays.
-            most_boxes: of one frame.
+            most_boxes: most boxes that are kept in one frame.
             image_px: side in pixels to which frames are scaled.
             device: cpu, or a GPU as torch names it.
             load_timeout_s: seconds for loading the model and embedding all names.
             timeout_s: seconds for one frame.
             names: the vocabulary, by default all names of the catalogue.
-            gate_m: of the tracker, metres.
-            errors: file of its errors; None: those that come with the package, where there are any.
+            gate_m: boxes of one category farther apart than this, in metres, are two things.
+            errors: file with its errors; None: those that come with the package, where there are any.
 
         Raises:
             ConfigError: a number is out of its range.
@@ -109,7 +109,7 @@ class YoloWorldDetector(BoxDetector):
             Boxes in the frame's pixels, clipped to it, by falling score.
 
         Raises:
-            DetectorError: the frame has no colour image, or the process failed; it is ended then.
+            DetectorError: the frame has no colour image, or the process failed, which ends it.
         """
         if frame.rgb is None:
             raise DetectorError("detector yolo_world: the frame has no colours; render rgb for it")

@@ -1,7 +1,7 @@
 """Stand-alone program that runs YOLO-World for :mod:`ucon.perception.detectors.yolo_world`, in a Python of its own.
 
-It imports nothing of UcON: ``ultralytics`` (AGPL-3.0, brings its own OpenCV) stays out of UcON's process and
-environment. A message on stdin or stdout is a length (4 bytes, big-endian) and so many bytes:
+It imports nothing from UcON: ``ultralytics`` (AGPL-3.0, brings its own OpenCV) stays out of UcON's process and
+environment. A message on stdin or stdout is a length (4 bytes, big-endian) followed by that many bytes:
 
     -> JSON {"weights": path, "names": [...], "device": "cpu", "threshold": 0.05, "image_px": 640, "most": 100}
     <- JSON {"ready": true}

@@ -17,7 +17,7 @@ _LINE_PX, _MARGIN_PX, _LETTER_PX = 16, 8, 7
 #: Share of the picture's height that the map may take.
 _MAP_SHARE: Final = 0.66
 _SAID: Final = {"ontop": "on", "inside": "in", "under": "under", "nextto": "by"}
-#: Habits with more support than the first number are shown: at most so many habits, of at most so many lines each.
+#: Support above which a habit is shown, most habits that are shown, and most lines of each.
 _SPEAKS, _MOST_HABITS, _HABIT_LINES = 0.05, 2, 2
 
 

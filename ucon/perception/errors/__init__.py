@@ -1,1 +1,1 @@
-"""The errors of detectors, and what follows from them: what a thing is, and whether it is there at all."""
+"""What is known of the errors of detectors: missed things, wrong names, and boxes on nothing."""

@@ -41,7 +41,7 @@ class DetectorErrors(Shared):
     """The errors of one detector, fitted on training homes.
 
     Raises:
-        DataError: at construction, if a number is out of its range, or the vocabulary is another one.
+        DataError: at construction, if a number is out of its range, or the vocabulary has changed since.
     """
 
     detector: str
@@ -56,7 +56,7 @@ class DetectorErrors(Shared):
     """Logit of the probability that a thing is found: constant, slope by the logarithm of its visible pixels and by
     each knot, by the logarithm of its distance in metres, and by the share of it that shows."""
     sighted: tuple[float, ...]
-    """The same where only size and distance are known, and the line of sight is free: without the share."""
+    """The same without the share, for things of known size and distance to which the line of sight is free."""
     right: float
     """Probability that a found thing is called by its own name."""
     score_knots: tuple[float, ...]
@@ -64,19 +64,19 @@ class DetectorErrors(Shared):
     score_evidence: tuple[float, ...]
     """Logarithm of how much likelier such a score is for a right box than for a wrong one."""
     confusion: tuple[float, ...]
-    """Weights of :data:`ucon.perception.detectors.confusion.FEATURES`: which wrong name a thing is called by."""
+    """Weights of :data:`ucon.perception.detectors.confusion.FEATURES`; they say which wrong name a thing is given."""
     false_boxes: float
-    """Boxes on nothing in a frame."""
+    """Mean number of boxes on nothing in a frame."""
     false_share: float
     """Share of boxes on nothing among the boxes at places where no box was before."""
     sides: int
-    """Looks from one of so many sides, and"""
+    """Number of sides from which a thing can be looked at."""
     octave: float
-    """from distances within a factor of two to the power of this, err together:"""
+    """Looks from one side err together if their distances are within a factor of two to the power of this."""
     repeats: float
-    """correlation of finding a thing in two such looks,"""
+    """Correlation of finding a thing in two looks that err together."""
     repeats_elsewhere: float
-    """and in two looks from another side or distance."""
+    """The same in two looks from different sides or distances."""
     names: tuple[str, ...]
     """Names of things seen in training homes."""
     counts: tuple[float, ...]
@@ -123,7 +123,7 @@ class DetectorErrors(Shared):
         Args:
             pixels: (n,) that show, in the canonical 128 x 128 view.
             away_m: (n,) distance, metres.
-            share: (n,) of the pixels of the whole thing.
+            share: (n,) of the whole thing's pixels that show.
 
         Returns:
             (n,) float64.
@@ -197,14 +197,14 @@ def vocabulary_hash() -> str:
 
 
 def parse_errors(text: str | bytes, where: str) -> DetectorErrors:
-    """The errors of a file's content.
+    """Read the errors of a detector from a file's content.
 
     Args:
         text: JSON.
-        where: names the file in errors.
+        where: names the file in error messages.
 
     Raises:
-        DataError: not such a file, or its numbers are out of range.
+        DataError: the content is not that of such a file, or its numbers are out of range.
     """
     try:
         data: Any = parse_json(text, max_bytes=_MOST_BYTES)
@@ -228,11 +228,11 @@ def read_errors(name: str, path: Path | None = None) -> DetectorErrors:
 
     Args:
         name: of the detector in ``configs/detector``.
-        path: a file; None: those that come with the package.
+        path: a file; None: the errors that come with the package.
 
     Raises:
-        ConfigError: there are none, or they are of another detector.
-        DataError: the file is none.
+        ConfigError: there is no such file, or its errors are those of another detector.
+        DataError: the file does not hold the errors of a detector.
     """
     if path is None:
         if not has_errors(name):

@@ -1,7 +1,7 @@
 """Every 3-D box on the map is a hypothesis: a posterior over names, and a probability that there is a thing at all.
 
-Looks that err together (one side, one distance) count once. What a thing is called counts by the detector's confusions
-and by the score; a look that should have shown a thing and did not is evidence that there is none.
+Looks that err together (one side, one distance) count once. The name that the detector gives a thing counts by the
+detector's confusions and by the score; a look that should have shown a thing and did not is evidence against it.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ucon.perception.hypotheses.look_kernels import FOUND, MOST_OCTAVES, look_ke
 
 #: Things farther away are not expected to be found, metres.
 REACH_M = 6.0
-#: How many things of a name a home has where training homes had none.
+#: Expected number of things of a name in a home, where training homes had none.
 _UNHEARD = 0.004
 #: A box counts as a thing from this probability on.
 _LEAST = 0.5
@@ -32,8 +32,8 @@ class Hypotheses(PartlyShared):
         errors: of the detector.
         exists: (>= T,) float64, probability that there is a thing.
         p_target: (>= T,) float64, probability that it is there and has the target's name, whatever its place.
-        looks: by track, its looks from new sides and distances: name (row of the vocabulary, -1 for a look in vain),
-            score, distance in metres.
+        looks: by track, its looks from new sides and distances: name (row of the vocabulary; -1 for a name outside it,
+            and with score 0 for a look in vain), score, distance in metres.
     """
 
     _flat: ClassVar[frozenset[str]] = frozenset(
@@ -46,7 +46,7 @@ class Hypotheses(PartlyShared):
 
         Args:
             errors: of the detector.
-            target: its name; one thing more of it is expected in the home.
+            target: category of the target; one more thing of it is expected in the home.
         """
         self.errors = errors
         self._target = name_rows().get(target, -1)
@@ -84,7 +84,7 @@ class Hypotheses(PartlyShared):
         self._lost = {key: lost for key, lost in self._lost.items() if key[0] in self.looks}
 
     def support(self, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """How often tracks were found from new sides, and logarithms of the chance of all looks in vain.
+        """How often tracks were found from new sides, and the log probability that all looks in vain missed them.
 
         Args:
             n: number T of tracks.
@@ -117,7 +117,7 @@ class Hypotheses(PartlyShared):
         """Take in one frame.
 
         Args:
-            box: (T, 6) float64, what was seen of the tracks, metres.
+            box: (T, 6) float64, boxes of the tracks, metres.
             kind: (T,) uint8, 0 for things.
             category: their most probable names so far, "" where there is none.
             called: names and scores of the tracks that the detector found in this frame.
@@ -172,7 +172,7 @@ class Hypotheses(PartlyShared):
         return out
 
     def absent(self, track: int) -> float:
-        """Logarithm of the chance of all looks in vain at a track, if it is there."""
+        """Log probability that all looks in vain at a track missed it, if it is there."""
         return float(self._absent[track])
 
     def state_from(self, track: int, dx: float, dy: float, dz: float) -> int:
@@ -232,7 +232,7 @@ def limits_m2(octave: float) -> NDArray[np.float64]:
     """Squares of the distances in metres, ascending, between which looks err together.
 
     Args:
-        octave: by this power of two each is farther than the last, from 0.35 to 32 m for one.
+        octave: each distance is two to the power of this times the last; at 1 they go from 0.35 to 23 m.
     """
     return np.asarray(4.0 ** (octave * (np.arange(MOST_OCTAVES - 1) - 1.5)))
 
@@ -245,7 +245,7 @@ def name_rows() -> dict[str, int]:
 
 @lru_cache(maxsize=4)
 def _called_so(errors: DetectorErrors) -> NDArray[np.float32]:
-    """(V, V) float32: by name that is called (row), logarithm of its chance for a thing of every other name."""
+    """(V, V) float32: log probability that a thing of every other name (column) is wrongly called by a name (row)."""
     return np.ascontiguousarray(errors.called.T + np.float32(np.log(max(1.0 - errors.right, 1e-6))))
 
 

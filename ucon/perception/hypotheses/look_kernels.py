@@ -1,4 +1,4 @@
-"""Kernel that tells which looks at things are new: errors of looks from one side and distance are the same error."""
+"""Kernel that finds which looks at things are new: looks from one side and distance make the same error."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from ucon.core.jit import F32, F64, I32, U8, jit, merged
 
 #: States of a (track, key): never looked at, looked at in vain, found.
 NEVER, MISSED, FOUND = 0, 1, 2
-#: Distances that are told apart.
+#: Number of distances that are distinguished.
 MOST_OCTAVES = 8
-#: A thing is in view if its middle is in the picture and nothing hides it that is nearer by more than this, metres.
+#: A thing is in view if its middle is in the image and nothing that is nearer by more than this hides it, metres.
 HIDDEN_M = 0.15
 
 
@@ -22,7 +22,7 @@ def look_key(dx: float, dy: float, dz: float, sides: int, limits_m2: F64) -> int
         dx: from the camera to the thing along x, metres.
         dy: the same along y.
         dz: the same upwards.
-        sides: how many sides are told apart; eight without trigonometry.
+        sides: how many sides are distinguished; eight need no trigonometry.
         limits_m2: (MOST_OCTAVES - 1,) squares of the distances at which a new octave begins, ascending.
     """
     if sides == 8:
@@ -51,15 +51,15 @@ def new_looks(
         named: (T,) uint8, 1 for tracks that the detector found in this frame.
         depth: (H, W) float32, metres along the optical axis.
         camera: (8,) float64.
-        sides: looks from one of so many sides, and
-        limits_m2: from distances between the roots of these, ascending, err together.
+        sides: how many sides are distinguished; looks from one side and one interval of distances err together.
+        limits_m2: (MOST_OCTAVES - 1,) squares of the limits of these intervals, ascending.
         reach_m: things farther away are not expected to be found, metres.
         state: (T, sides * MOST_OCTAVES) uint8, updated: ``NEVER``, ``MISSED`` or ``FOUND``.
         event: (T, 3) int32, written: track, key and ``MISSED`` or ``FOUND`` of the new looks.
         away_m: (T,) float64, written: their distances, metres.
 
     Returns:
-        How many new looks there are; only so many rows are written, by track.
+        How many new looks there are; as many rows are written, ordered by track.
     """
     rows, columns = depth.shape
     x, y, z, c, s, cp, sp, focal_px = camera

@@ -34,9 +34,9 @@ class Body(Shared):
     near_m: float
     """Horizontal distance in metres within which Open and Done act on a thing."""
     headings: int = 4
-    """Headings of a full turn; a view is as wide as a turn (:mod:`ucon.core.compass`)."""
+    """Headings of a full turn; a view is as wide as one rotation (:mod:`ucon.core.compass`)."""
     exact: bool = True
-    """Whether it stands on nodes of the grid and measures without error; else it is a real robot."""
+    """Whether the agent stands on nodes of the grid and measures without error; False for the real robot."""
     blur: float = 0.0
     """Depth in metres may be wrong by this times its square (twice the standard error)."""
 
@@ -54,7 +54,7 @@ class Body(Shared):
 
     @classmethod
     def of(cls, info: Mapping[str, Any]) -> Body:
-        """The body in the episode whose info at the reset is given; without ``task`` in it, under the paper's rules."""
+        """The body in an episode, from the info at its reset; under the paper's rules where that has no ``task``."""
         rules = task_rules(str(info.get("task", PAPER.name)))
         if rules.continuous and "camera_m" in info:  # an option of the robot's rig
             rules = replace(rules, camera_heights_m=(float(info["camera_m"]),))
@@ -62,7 +62,7 @@ class Body(Shared):
 
     @property
     def off_node_m(self) -> float:
-        """How far from the middle of a node it stands as a rule, metres: 0 on the grid."""
+        """How far from the middle of its node the agent usually stands, metres; 0 on the grid."""
         return 0.0 if self.exact else _OFF_NODE_M
 
     @property
@@ -76,7 +76,7 @@ class Body(Shared):
         return self.eyes[0][0]
 
     def farthest(self, depth: NDArray[np.float32]) -> NDArray[np.float32]:
-        """How far away what the pixels show may be, at the edge of the camera's error.
+        """The greatest distance at which what each pixel shows may be, within the camera's error.
 
         Args:
             depth: (H, W) metres along the optical axis.

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ucon.core.sharing import Shared
 
-#: A thing counts as seen if it has at least so many pixels in a 128 x 128 view of 90 degrees.
+#: A thing counts as seen if it has at least this many pixels in a 128 x 128 view of 90 degrees.
 MIN_PIXELS = 4
 #: Codes of tracks that are structure, not things. ``obstacles``: what blocks the way and was not named by the detector.
 STRUCTURE_KINDS = {"floors": 1, "walls": 2, "ceilings": 3, "obstacles": 4}

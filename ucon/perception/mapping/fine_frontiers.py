@@ -8,7 +8,7 @@ space inside explored space is no frontier.
 
 Unlike the original:
 
-- Its loop over groups starts at 1, which skips the first group by mistake; here all count.
+- The original's loop over groups starts at 1, which skips the first group by mistake; here all count.
 - A group's centre may lie off the group (in a bend): the cell of the group that is nearest to it is used.
 - A frontier is dropped if no explored, reachable node of the 0.25 m map is near; then the best four are kept.
 """
@@ -162,7 +162,7 @@ class _Ways:
             fine: the 5 cm map.
             start: cell (a, b) to start from.
             limit_m: longer paths are infinite; metres.
-            free: so many cells to each side of the start count as free, since a robot may stand at an open door.
+            free: this many cells to each side of the start count as free, since a robot may stand at an open door.
         """
         span = round(limit_m / FINE_M) + 3
         n = 2 * span + 1
@@ -203,7 +203,7 @@ def _votes(explored: NDArray[np.uint8], cells: NDArray[np.int64], middle: Cell) 
 
 
 def _pose(here: Cell, votes: NDArray[np.int64], fine: FineMap, known: SemanticMap, planner: Planner) -> View | None:
-    """The nearest node to stand on for a frontier, facing the heading towards most votes (of equals the cheapest)."""
+    """The nearest node to stand on for a frontier, facing the heading with most votes (of equal ones the cheapest)."""
     x, y = middle_of(*here)
     ci, cj, span = here[0] // PER_CELL, here[1] // PER_CELL, int(SNAP_M / CELL_M) + 1
     i0, i1, j0, j1 = max(ci - span, 0), min(ci + span + 1, SIZE), max(cj - span, 0), min(cj + span + 1, SIZE)
@@ -222,7 +222,7 @@ def _pose(here: Cell, votes: NDArray[np.int64], fine: FineMap, known: SemanticMa
 
 
 def _towards(votes: NDArray[np.int64], n: int) -> list[int]:
-    """The headings of n towards most votes (4,)."""
+    """The headings, out of n, in the direction of most votes (4,)."""
     if n == 4:
         return [h for h in range(4) if votes[h] == votes.max()]
     return [heading_to(float(votes[0] - votes[2]), float(votes[1] - votes[3]), n)]

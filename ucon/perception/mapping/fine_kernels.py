@@ -21,8 +21,8 @@ NEAREST_M, FARTHEST_M = 0.5, 5.0
 #: Points from LOWEST_M to HIGHEST_M above the floor count as explored; obstacles are points from OBSTACLE_M above the
 #: floor to ABOVE_M above the camera. Metres.
 LOWEST_M, HIGHEST_M, OBSTACLE_M, ABOVE_M = -0.4, 2.0, 0.25, 0.5
-#: Cells under a sight line count as explored up to so many metres ahead. Beyond it L3MVN's points lie too far apart for
-#: its 5 x 5 closing.
+#: Cells under a sight line count as explored up to this many metres ahead. Beyond that, L3MVN's points lie too far
+#: apart for its 5 x 5 closing.
 CARVE_M = 4.5
 #: Sight lines are binned by their slope (sideways over ahead), from -2 to 2 in steps of 1 / 64, as the columns of a
 #: level 128 x 128 view.

@@ -51,7 +51,7 @@ def groups(label: I32, corner: tuple[int, int], explored: U8, steps: I32, out: I
         corner: cell (i0, j0) of the window's first row and column.
         explored: (n, n) uint8.
         steps: (n, n, H) int32, actions to every node and heading.
-        out: (groups, 4) int32, written; zeros before: node i, j, heading, nodes of the group.
+        out: (groups, 4) int32, written; zeros on entry: node i, j, heading, nodes of the group.
     """
     count = out.shape[0]
     middle, votes, nearest = np.zeros((count, 2)), np.zeros((count, 4), np.int32), np.full(count, np.inf)
@@ -91,9 +91,9 @@ def _vote(i: int, j: int, explored: U8, votes: I32) -> None:
 
 @jit
 def _heading(votes: I32, steps: I32) -> int:
-    """The heading towards most votes (4,); of equal ones that with the fewest steps (H,), then the first.
+    """The heading with most votes (4,); of equal ones the one with the fewest steps (H,), then the first.
 
-    Votes are for the four neighbours; another number of headings goes by the sum of their directions.
+    Votes are for the four neighbours; with another number of headings, the sum of their directions decides.
     """
     n, best = steps.shape[0], 0
     if n == 4:

@@ -1,8 +1,8 @@
 """Paths of a robot with six headings: breadth-first over the triangular lattice of its moves, every action one step.
 
-From where it stands, moves of 0.25 m at headings of 60 degrees lead to the nodes of a triangular lattice. Node (a, b)
-is at ``here + 0.25 (a e0 + b e1)``, with e0 along heading 0 and e1 along heading 1. There is a little more than one
-node for each cell of the 0.25 m map; a cell's cost is that of its cheapest node.
+From where the robot stands, moves of 0.25 m at headings of 60 degrees lead to the nodes of a triangular lattice. Node
+(a, b) is at ``here + 0.25 (a e0 + b e1)``, with e0 along heading 0 and e1 along heading 1. There is a little more than
+one node for each cell of the 0.25 m map; a cell's cost is that of its cheapest node.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Lattice(PartlyShared):
     _shared: ClassVar[frozenset[str]] = frozenset()
 
     def __init__(self, unreached: int) -> None:
-        """Allocate.
+        """Allocate the arrays.
 
         Args:
             unreached: number of steps that stands for no path.
@@ -144,7 +144,7 @@ def _by_cell(
 ) -> int:
     """Write steps, moves and state of the first node of every cell and heading; returns how many there are.
 
-    ``used`` is in order of steps, so the first node is the cheapest; ``out_steps`` is as large as can be before.
+    ``used`` is in order of steps, so the first node is the cheapest; ``out_steps`` holds a larger value on entry.
     """
     count = 0
     for k in range(used.shape[0]):

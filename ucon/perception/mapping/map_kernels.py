@@ -138,7 +138,7 @@ def _mark(
 
 @merged
 def _wall(walls: U8, i: int, j: int, dx: float, dy: float) -> None:
-    """Mark the cell border that a wall point belongs to: walls stand on borders, their faces 5 cm beside them.
+    """Mark the cell border that a wall point belongs to: walls stand on borders, their faces 5 cm to either side.
 
     Points near a corner of the cell could belong to either border and are left out. ``walls`` (2, n, n): border of
     (i, j) towards (i + 1, j), and towards (i, j + 1).
@@ -338,7 +338,7 @@ def look(
 
 @jit
 def look_from(depth: F32, camera: F64, places: F64, hollow: F64, faces: U8, active: Flags, near: F64) -> None:
-    """Note from how near a frame shows the sample points; see :func:`look`.
+    """Lower ``near`` of the sample points that a frame shows to their depth in it; see :func:`look`.
 
     Args:
         depth: (H, W) float32, metres along the optical axis.
@@ -358,7 +358,7 @@ def look_from(depth: F32, camera: F64, places: F64, hollow: F64, faces: U8, acti
 
 @merged
 def _shown_at(depth: F32, camera: F64, reach_m: float, place: F64, hollow: F64, faces: int) -> float:
-    """Optical depth of a point that a frame shows, metres; 0 where it does not show it, or only from beyond a reach."""
+    """Optical depth of a point in a frame, metres; 0 where the frame does not show it, or from beyond ``reach_m``."""
     rows, columns = depth.shape
     x, y, cam_z, c, s, cp, sp, focal_px = camera
     dx, dy, dz = place[0] - x, place[1] - y, place[2] - cam_z

@@ -15,7 +15,7 @@ from ucon.core.sharing import Shared
 class Nav(Shared):
     """One home's grid of free nodes, in the agent's start frame.
 
-    It is no plain dictionary: vector environments would stack the arrays, whose shapes differ between homes.
+    It is not a plain dictionary, since vector environments would stack the arrays, whose shapes differ between homes.
     """
 
     free: NDArray[np.bool_]

@@ -8,7 +8,7 @@ from ucon.core.jit import F32, F64, U8, jit
 from ucon.perception.mapping.fine_kernels import FINE_M, PER_CELL
 from ucon.perception.mapping.map_kernels import RADIUS_M
 
-#: Cells of a side, and the number of the cell in which the start is: as many as the 0.25 m map covers.
+#: Cells of a side, as many as the 0.25 m map covers, and the number of the cell of the start.
 SIZE = 257 * PER_CELL
 HALF = 128 * PER_CELL + PER_CELL // 2
 #: Points up to the first height are floor: a robot on legs steps over what is lower. Points from there to the second,
@@ -16,7 +16,8 @@ HALF = 128 * PER_CELL + PER_CELL // 2
 LOW_M, HIGH_M = 0.08, 1.0
 #: Points at more than this depth are too uncertain, metres.
 SURE_M = 3.5
-#: A cell is an obstacle from so many votes on; a point gives two, floor takes one, and there are no more than MOST.
+#: A cell with at least LEAST_VOTES is an obstacle; an obstacle point adds FOR, a floor point takes AGAINST, and a cell
+#: has at most MOST_VOTES.
 LEAST_VOTES, MOST_VOTES, FOR, AGAINST = 4, 24, 2, 1
 _BUMPED = 255
 
@@ -30,7 +31,7 @@ def cell(x: float, y: float) -> tuple[int, int]:
 
 @jit
 def vote(depth: F32, camera: F64, votes: U8) -> None:
-    """Count the points of a frame.
+    """Update the votes of cells by the points of a frame.
 
     Points within the robot's own radius are left out: it stands there.
 

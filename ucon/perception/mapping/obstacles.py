@@ -1,8 +1,8 @@
 """What a robot that moves continuously steers around: obstacles on a grid of 5 cm, from its own depth images.
 
-The grid has the frame and the centre of the 0.25 m map. A cell is an obstacle where two points of the robot's height
-fell into it, seen from no farther than a depth camera can be sure of, or where a move was blocked. Floor that is seen
-there counts against it: what was an obstacle was noise, or moved.
+The grid has the frame and the centre of the 0.25 m map. A cell is an obstacle where two points at the robot's height
+fell into it, seen from within the reliable range of a depth camera, or where a move was blocked. Floor points in a cell
+count against an obstacle that was seen there: it was noise, or has moved.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ucon.perception.mapping import obstacle_kernels as kernels
 from ucon.perception.mapping.map_kernels import RADIUS_M
 from ucon.perception.mapping.obstacle_kernels import FINE_M, HALF, SIZE
 
-#: How far ahead of the robot's middle the thing is taken to be that blocked a move, metres.
+#: A thing that blocked a move is taken to be this far ahead of the robot's middle, metres.
 _BUMP_M: Final = 0.25
 _BUMPED: Final = 255
 

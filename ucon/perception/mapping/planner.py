@@ -25,7 +25,7 @@ from ucon.task.actions import Action
 I32: TypeAlias = NDArray[np.int32]
 
 UNREACHED = 1 << 29
-#: A robot that reaches fewer poses than this is stuck: those of its own node, and of two others.
+#: A robot that reaches fewer poses than this, those of three nodes, is stuck.
 _FEW = 18
 _TURN = {0: (), 1: (Action.ROTATE_LEFT,), 2: (Action.ROTATE_LEFT, Action.ROTATE_LEFT), 3: (Action.ROTATE_RIGHT,)}
 _PRIMITIVES = (Action.MOVE_AHEAD, Action.ROTATE_LEFT, Action.ROTATE_RIGHT)
@@ -120,9 +120,9 @@ class Planner(PartlyShared):
         self._used = queue[:count].copy()
 
     def _on_lattice(self, lattice: Lattice, known: SemanticMap) -> NDArray[np.int32]:
-        """Compute all paths of a robot; rows of ``steps`` that were written.
+        """Compute all paths of a robot that moves continuously; returns the rows of ``steps`` that were written.
 
-        Where it cannot get away, since obstacles are where it stands by drift or noise, it takes itself for thinner.
+        Where it is stuck because drift or noise put obstacles where it stands, paths for a smaller radius are computed.
         """
         assert known.obstacles is not None
         view, window, used = known.view, known.extent(margin=6), np.zeros(0, np.int32)

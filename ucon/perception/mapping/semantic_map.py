@@ -33,7 +33,7 @@ CELL_M = kernels.CELL_M
 HALF = 128
 #: Cells of a side.
 SIZE = 2 * HALF + 1
-#: Cells under a sight line count as explored up to so many metres from the camera.
+#: Cells under a sight line count as explored up to this many metres from the camera.
 CARVE_M = 8.0
 #: What to do where the errors of a detector are not known.
 NO_ERRORS = (
@@ -54,7 +54,7 @@ class View(Shared):
     Attributes:
         i: cell along x.
         j: cell along y.
-        heading: turns counter-clockwise from +x, of 90 degrees (60 for the real robot).
+        heading: number of turns counter-clockwise from +x, of 90 degrees each (60 for the real robot).
         pitch_deg: degrees, up positive. Under rules that move the camera instead, the look of
             :class:`~ucon.perception.mapping.body.Body`.
         at: x, y in metres and yaw in radians of a robot that stands between nodes; None on a node.
@@ -85,7 +85,7 @@ class View(Shared):
 
     @property
     def quarter(self) -> int:
-        """The yaw as the nearest quarter turns."""
+        """The yaw as the nearest number of quarter turns."""
         return self.heading if self.at is None else round(self.at[2] / (np.pi / 2)) % 4
 
 
@@ -111,11 +111,11 @@ class SemanticMap(PartlyShared):
         last_seen: (>= T,) int32, step at which it was last in view, -1 never.
         views: poses so far, one a step.
         step: number of the last frame, from 0.
-        fresh: cells that the last frame explored.
-        inexact: whether the detector finds boxes, so that what was seen of a thing may be something else in part.
+        fresh: how many cells the last frame explored.
+        inexact: whether boxes may hold parts of other things: the detector finds boxes, or the body is not exact.
         hypotheses: what the tracks may be, where the detector errs; None where it does not.
         named_at: (>= T,) int32, step at which the name of a track last changed, -1 never.
-        stale: (>= T,) bool, things that may be moved and were last seen in an earlier search of this home.
+        stale: (>= T,) bool, things last seen in an earlier search of this home, which may have been moved since.
         obstacles: what a robot that moves continuously steers around; None on the grid.
         lived_in: whether earlier searches mapped this home, so that furniture was seen from all sides.
         looks: what single looks showed, where the map is kept for further searches and the detector errs.
@@ -133,7 +133,7 @@ class SemanticMap(PartlyShared):
             body: the agent's camera and reach; those of the paper's rules by default.
             errors: of the detector, where it errs.
             target: what is searched for.
-            kept: whether it is kept for further searches.
+            kept: whether the map is kept for further searches.
         """
         self.body = body
         self.looks = LookBoxes(errors) if kept and errors is not None else None
@@ -161,10 +161,10 @@ class SemanticMap(PartlyShared):
 
     @classmethod
     def of(cls, info: Mapping[str, Any]) -> SemanticMap:
-        """The map with which an episode begins: the kept one of a robot that lives there, else an empty one.
+        """The map with which an episode begins: the kept one of a robot that lives in the home, else an empty one.
 
         Args:
-            info: of the reset: ``task``, ``target``; where there are any ``detector_errors`` and ``kept_map``.
+            info: of the reset: ``task``, ``target`` and, where there are any, ``detector_errors`` and ``kept_map``.
         """
         kept = info.get("kept_map")
         if isinstance(kept, cls):
@@ -211,7 +211,7 @@ class SemanticMap(PartlyShared):
 
         Args:
             observation: ``depth`` (unless ``info`` has it), ``pose``, ``collision``.
-            info: ``detections``, ``tracks``, and where there are any ``opened``, ``camera_m``, ``fov_deg``.
+            info: ``detections``, ``tracks`` and, where there are any, ``opened``, ``camera_m``, ``fov_deg``.
 
         Raises:
             ConfigError: the view is not as wide as the body's.
@@ -248,9 +248,9 @@ class SemanticMap(PartlyShared):
     def search_again(self, target: str) -> None:
         """Begin another search in the same home, later.
 
-        Rooms and furniture stay known, poses and steps begin anew, containers are closed. Small things, and whatever is
-        searched for, may have been moved: the target counts as unseen, of the others the old box holds until they are
-        seen again.
+        Rooms and furniture stay known, poses and steps start over, and containers count as closed. Small things, and
+        all things ever searched for, may have been moved: the target counts as unseen, the others keep their old boxes
+        until they are seen again.
 
         Args:
             target: what is searched for now.
@@ -273,9 +273,9 @@ class SemanticMap(PartlyShared):
             self.looks.forget(tracks)
 
     def _settle(self) -> None:
-        """Give furniture the boxes on which the looks of all searches agree; of one thing, keep one track.
+        """Give furniture the boxes on which the looks of all searches agree, and keep one track of each thing.
 
-        What was looked for in vain more often than it was found is forgotten, and what was never taken for any thing.
+        Tracks that were looked for in vain more often than found are forgotten, and so are things without a name.
         """
         if self.looks is None or self.hypotheses is None:
             return
@@ -329,7 +329,7 @@ class SemanticMap(PartlyShared):
             self.instances.setdefault(name, []).append(track)
 
     def _doubt(self, detections: Detections, depth: NDArray[np.float32], info: Mapping[str, Any]) -> None:
-        """Weigh what the detector calls the things in view."""
+        """Update the hypotheses with what the detector calls the things in view."""
         if self.hypotheses is None:
             name = info.get("detector", "of this environment")
             raise ConfigError(f"detector {name}: {NO_ERRORS.format(name)}")
@@ -411,7 +411,7 @@ class SemanticMap(PartlyShared):
     def gap_now_m(self, track: int) -> float:
         """Horizontal distance in metres from the agent to what was seen of a track.
 
-        For a robot, whose pose drifts, what it sees of the track now counts, if it is in view.
+        For a robot, whose pose drifts, only the part of the track in view counts, if there is one.
 
         Args:
             track: its number.
@@ -451,7 +451,7 @@ def _is_small(name: str) -> bool:
 
 
 def require_width(info: Mapping[str, Any], fov_deg: float = 90.0) -> None:
-    """Refuse frames of another width than the task's: maps and their thresholds are made for that.
+    """Check that a frame's view is as wide as the task's, for which maps and their thresholds are made.
 
     Args:
         info: of a frame; ``fov_deg`` is the task's by default.

@@ -1,10 +1,10 @@
 """The furniture of a home that is lived in, from single looks of many searches, where the detector errs.
 
-A box that holds all that was ever taken for a thing only grows: one look that took in what stands beside it is enough.
-And one thing that is called by two names, or seen in parts, is followed as two. Over a search that matters little; over
-weeks tables reach into their neighbours, every cabinet is there three times, and what stands on one of them seems to
-stand in another. So between searches boxes become those on which most looks agree, tracks of one thing are united, and
-what was looked for in vain more often than it was found is forgotten.
+A box that holds every point ever taken for a thing only grows: one look that includes part of a neighbour enlarges it
+for good. And a thing that is called by two names, or seen in parts, is followed as two. Over one search that matters
+little; over weeks tables reach into their neighbours, every cabinet is on the map three times, and what stands on one
+seems to stand in another. So boxes become those on which most looks agree, and between searches tracks of one thing are
+united, and tracks that were looked for in vain more often than found are forgotten.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from ucon.perception.hypotheses.look_kernels import MOST_OCTAVES
 from ucon.perception.mapping import settling_kernels as kernels
 from ucon.perception.mapping.detections import Detections
 
-#: A track is forgotten if the logarithm of the chance of all looks in vain, by this weight, outweighs the times that it
-#: was found.
+#: A track is forgotten if the log probability of all its looks in vain, times this weight, outweighs the number of
+#: times that it was found.
 IN_VAIN = 0.5
 
 
 class LookBoxes(PartlyShared):
-    """Boxes of tracks by side and distance, one each: looks from one side and distance err together."""
+    """One box of each track for each side and distance: looks from one side and distance err together."""
 
     _flat: ClassVar[frozenset[str]] = frozenset({"_most", "_names", "_boxes"})
 
@@ -38,7 +38,7 @@ class LookBoxes(PartlyShared):
         """Start without looks.
 
         Args:
-            errors: of the detector; looks err together as these say.
+            errors: of the detector; they say which looks err together.
         """
         self._sides, self._limits_m2 = errors.sides, limits_m2(errors.octave)
         keys = errors.sides * MOST_OCTAVES
@@ -59,7 +59,7 @@ class LookBoxes(PartlyShared):
             depth: (H, W), metres.
             image: (H, W), track of every pixel, -1 for none.
             camera: (8,) float64.
-            called: (T,) row in the vocabulary of the name by which the detector calls each track in it; -1: of none.
+            called: (T,) row in the vocabulary of the name that the detector gives each track in this frame; -1: none.
             opened: (T,) tracks whose doors swing.
         """
         n = len(called)
@@ -72,7 +72,7 @@ class LookBoxes(PartlyShared):
         )  # fmt: skip
 
     def settle(self, names: NDArray[np.int32], box: NDArray[np.float64]) -> None:
-        """Make boxes of tracks those on which their looks agree.
+        """Set the boxes of tracks to those on which their looks agree.
 
         Args:
             names: (T,) row in the vocabulary of each track's name; -1 for those whose box stays.
@@ -99,14 +99,14 @@ class LookBoxes(PartlyShared):
 
 
 class United:
-    """Which tracks of the detector are one thing.
+    """Which of the detector's tracks are one thing.
 
     Attributes:
         into: (n,) track that stands for each; tracks beyond these stand for themselves.
     """
 
     def __init__(self) -> None:
-        """Start with every track for itself."""
+        """Start with every track standing for itself."""
         self.into = np.zeros(0, np.int32)
 
     def unite(self, box: NDArray[np.float64], names: NDArray[np.int32], looks: NDArray[np.float64]) -> list[int]:
@@ -130,10 +130,12 @@ class United:
         return int(self.into[track]) if track < len(self.into) else track
 
     def detections(self, found: Detections) -> Detections:
-        """A frame in which each thing has one track: of several the one with most pixels, in the picture all of them.
+        """A frame's detections with one track for each thing.
+
+        Of several tracks of a thing, the row of the one with most pixels stays; in the image they all become one.
 
         Args:
-            found: as the detector follows things.
+            found: the frame's detections with the detector's own tracks.
         """
         if not len(self.into):
             return found

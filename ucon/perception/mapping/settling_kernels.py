@@ -8,13 +8,13 @@ from ucon.core.jit import F32, F64, I16, I32, U8, Flags, jit, merged
 from ucon.perception.hypotheses.look_kernels import look_key
 from ucon.perception.mapping.map_kernels import FAR_M, point
 
-#: Shares of the looks that are left out at every side, until the box is no larger than things of its name.
+#: Shares of the looks that are left out at every side, in order, until the box is no larger than things of its name.
 SHARES = np.array([0.0, 0.1, 0.2, 0.3, 0.4, 0.49])
 
-#: Two boxes are of one thing if they have so much of the smaller one's volume in common and one name, or so much of
-#: what both of them fill, whatever their names. In no home of ours things overlap that much.
+#: Two boxes are of one thing if they have the same name and share more than this part of the smaller one's volume, or
+#: different names and an intersection over union above this. In no home of ours do things overlap that much.
 SAME_NAME, ANY_NAME = 0.2, 0.3
-#: Sides of boxes count as at least so many metres.
+#: Sides of boxes count as at least this many metres.
 _THIN_M = 0.02
 
 
@@ -26,7 +26,7 @@ def extents(depth: F32, image: I16, camera: F64, extent: F64, pixels: I32) -> No
         depth: (H, W) float32, metres along the optical axis.
         image: (H, W) int16, track of every pixel, -1 for none.
         camera: (8,) float64.
-        extent: (T, 6) float64, written: x0 y0 z0 x1 y1 z1, metres; upside down where nothing is seen.
+        extent: (T, 6) float64, written: x0 y0 z0 x1 y1 z1, metres; x0 > x1 where nothing is seen.
         pixels: (T,) int32, written.
     """
     rows, columns = depth.shape
@@ -49,16 +49,16 @@ def note(
     extent: F64, pixels: I32, called: I32, frozen: Flags, camera: F64, sides: int, limits_m2: F64, most: I32,
     names: I16, boxes: F32,
 ) -> None:  # fmt: skip
-    """Keep, of every side and distance, the look that showed most of a thing.
+    """Keep, for every side and distance, the look that showed most of a thing.
 
     Args:
         extent: (T, 6) float64, what one frame shows of each track, metres.
         pixels: (T,) int32, in that frame.
-        called: (T,) int32, row of the name by which the detector calls it there, -1 where it does not.
+        called: (T,) int32, row of the name that the detector gives it there, -1 where it gives none.
         frozen: (T,) bool, tracks that were opened: their doors swing.
         camera: (8,) float64.
-        sides: looks from one of so many sides, and
-        limits_m2: from distances between the roots of these, ascending, err together.
+        sides: how many sides are distinguished; looks from one side and one interval of distances err together.
+        limits_m2: (MOST_OCTAVES - 1,) squares of the limits of these intervals, ascending.
         most: (T, K) int32, updated: most pixels from each side and distance.
         names: (T, K) int16, updated: row of the name in that frame.
         boxes: (T, K, 6) float32, updated: what it showed, metres.
@@ -75,10 +75,10 @@ def note(
 
 @jit
 def settle(most: I32, names: I16, boxes: F32, name: I32, wide_m: F64, high_m: F64, box: F64, is_set: U8) -> None:
-    """Find the boxes of things: as large as all looks that call them by their names, or as things of these names are.
+    """Find the boxes of things: around the looks that call them by their names, but no larger than such things are.
 
     At every side the outermost looks are left out, as many as it takes until the box is no wider and no higher than
-    things of that name; a look that took in what is beside or behind a thing is one of few.
+    things of that name; few looks include something next to or behind a thing.
 
     Args:
         most: (T, K) int32, pixels of each look; 0 for none.
@@ -113,7 +113,7 @@ def settle(most: I32, names: I16, boxes: F32, name: I32, wide_m: F64, high_m: F6
 
 @jit
 def _agreed(low: F32, high: F32, most_m: float, first: F64, last: F64) -> None:
-    """Write the ends (a,) of a box along some axes on which looks (a, n), ascending, agree; its diagonal at most so."""
+    """Write the ends (a,) of the box on which looks (a, n), ascending, agree; ``most_m`` limits its diagonal."""
     n = low.shape[1]
     for share in SHARES:
         out, whole = int(share * n), 0.0
@@ -127,12 +127,12 @@ def _agreed(low: F32, high: F32, most_m: float, first: F64, last: F64) -> None:
 
 @jit
 def unite(box: F64, name: I32, looks: F64, into: I32) -> None:
-    """Find the tracks that are of one thing: which of them stays for each.
+    """Find the tracks that are of one thing, and which of them stays.
 
     Args:
         box: (T, 6) float64, metres.
         name: (T,) int32, row of each track's name; -1 for tracks that are left out.
-        looks: (T,) float64, how often each was found: of one thing the track stays that was found most often.
+        looks: (T,) float64, how often each was found: of the tracks of a thing, the one found most often stays.
         into: (T,) int32, written: the track that stays; its own number for those that stay or are left out.
     """
     order, n = np.argsort(-looks, kind="mergesort"), 0

@@ -1,1 +1,1 @@
-"""Places where a target may be: on, in, under and beside what was seen."""
+"""Places where a target may be: on, in, under and next to what was seen."""

@@ -70,7 +70,7 @@ def sight_range_m(category: str, min_pixels: float = 5.0) -> float:
 
     Args:
         category: its catalogue size decides; 0.1 m a side outside the catalogue.
-        min_pixels: the thing must cover so many pixels in a 128 x 128 view of 90 degrees.
+        min_pixels: the thing must cover this many pixels in a 128 x 128 view of 90 degrees.
 
     Returns:
         A distance from 1.2 to 4.5 m.

@@ -1,7 +1,7 @@
-"""Kernels of looking with a detector that errs: a look shows a target with a chance, and looks that err together once.
+"""Kernels of looking with a detector that errs: a look may miss a target, and looks that err together count once.
 
 They are the counterparts of :func:`ucon.perception.mapping.map_kernels.look` and of ``place_gain`` and ``fade_places``
-in :mod:`ucon.perception.views.view_kernels`, which count every look alike.
+in :mod:`ucon.perception.views.view_kernels`, in which every look counts the same.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from ucon.perception.hypotheses.look_kernels import look_key
 from ucon.perception.mapping.map_kernels import CELL_M, shows
 from ucon.perception.views.view_kernels import add_to_views, between, in_sight, in_view, sight
 
-#: Chances are given at every so many metres of distance, from 0 on.
+#: Chances are given for distances in steps of this many metres, from 0 on.
 STEP_M = 0.25
 
 
 @merged
 def _chance(away_m: float, chance: F64) -> float:
-    """The chance (k,) that a look from so many metres shows the target."""
+    """The chance that a look from ``away_m`` metres shows the target, from the chances (k,) by distance."""
     return chance[min(int(away_m / STEP_M + 0.5), chance.shape[0] - 1)]
 
 
@@ -29,7 +29,7 @@ def _chance(away_m: float, chance: F64) -> float:
 def look_by_chance(
     depth: F32, camera: F64, model: Any, places: F64, hollow: F64, faces: U8, active: Flags, unseen: F64, looked: Any
 ) -> int:
-    """Lower ``unseen`` of the sample points that a frame shows from a new side or distance, by the chance of each.
+    """Lower ``unseen`` of the sample points that a frame shows from a new side or distance, by the chance of each look.
 
     Args:
         depth: (H, W) float32, metres along the optical axis.
@@ -128,7 +128,7 @@ def fade_by_chance(
         x: of the camera, metres.
         y: of the camera, metres.
         cam_z: of the camera, metres.
-        looks: heading, of how many, and number of the pitch in ``PITCHES_DEG``.
+        looks: heading, number of headings, and number of the pitch in ``PITCHES_DEG``.
         place: (m, 3) float64, the points, metres.
         hollow: (m, 6) float64, boxes of their compartments, metres.
         faces: (m,) uint8, bits of the compartments' open sides.

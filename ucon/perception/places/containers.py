@@ -53,7 +53,7 @@ class Containers(PartlyShared):
         return np.flatnonzero(shut & (known.box[:n, 3] >= known.box[:n, 0]))
 
     def in_reach(self, known: SemanticMap) -> list[int]:
-        """Tracks of closed containers that Open would open now: in view and within reach, as the map has them."""
+        """Tracks of closed containers that Open would open now: in view and within reach, according to the map."""
         reach_m = known.body.near_m - _MARGIN_M
         return [
             int(track)

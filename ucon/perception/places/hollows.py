@@ -112,7 +112,7 @@ def fit(
     Args:
         shape: the template.
         box: (6,) x0 y0 z0 x1 y1 z1, metres.
-        quarters: quarter turns counter-clockwise by which the thing stands turned.
+        quarters: quarter turns counter-clockwise by which the thing is turned.
         lift_m: half the target's height, metres.
         rows: (k, 12) float64, written: x, y, z, relation, share, (column 5 is left), compartment x0 y0 z0 x1 y1 z1.
         faces: (k,) uint8, written: bits of the open sides.
@@ -161,7 +161,7 @@ def _tops(surfaces: Sequence[Surface]) -> list[_Row]:
 
 
 def _inside(model: ObjectModel, compartment: Compartment, size: NDArray[np.float64]) -> list[_Row]:
-    """Sample points on the floor of a compartment; those of a drawer lie where it comes out."""
+    """Sample points on the floor of a compartment; those of a drawer lie where it is when pulled out."""
     x0, y0, z0, x1, y1, z1 = compartment.box
     z1 = min(z1, float(size[2]))
     faces = open_faces(model, compartment)

@@ -23,7 +23,7 @@ _REACH_CELLS = 26
 _MOST = 1.5
 """Largest evidence of one thing for or against, a natural logarithm."""
 _DOUBT = 0.6
-"""Weight of the prior "as usual", in things at distance 0."""
+"""Weight of the prior that rooms are as usual, in units of a thing at distance 0."""
 
 
 @lru_cache(maxsize=1)
@@ -69,7 +69,7 @@ def _rooms_of_all(categories: tuple[str, ...]) -> NDArray[np.float64]:
 
 @lru_cache(maxsize=1)
 def _telling() -> tuple[dict[str, int], NDArray[np.float64]]:
-    """Furniture whose rooms the catalogue names: its rows in p(kind of room) (F, R)."""
+    """Furniture whose rooms the catalogue names: the row of each, and p(kind of room) (F, R)."""
     book, (number, _) = catalogue(), _rooms()
     names = [name for name in book.names if affordance(name).furniture and any(r in number for r in book[name].rooms)]
     return {name: row for row, name in enumerate(names)}, _rooms_of_all(tuple(names))

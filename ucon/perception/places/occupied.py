@@ -1,4 +1,4 @@
-"""Whether something stands where a thing was seen before: depth tells it, whatever the detector finds or misses."""
+"""Whether something stands where a thing was seen before, by depth alone, whatever the detector finds or misses."""
 
 from __future__ import annotations
 
@@ -15,25 +15,26 @@ from ucon.perception.places.affordances import affordance
 from ucon.perception.places.occupied_kernels import fill
 from ucon.perception.places.place_kernels import INSIDE
 
-#: A place is the box in which a thing was seen, without what it stands on: it begins so much above its bottom, metres,
-#: or if the thing is low this share of its height.
+#: A place is the box in which a thing was seen, without what it stood on: it begins this far above the bottom of the
+#: box, metres, but at most this share of the box's height.
 ABOVE_M, MOST_ABOVE = 0.015, 0.4
-#: Sight lines that tell anything; shares of them that end in a place where something stands, and where nothing does.
+#: Fewest sight lines by which a place is judged; something stands there if at least SHARE of them end in it, and
+#: nothing if less than EMPTY_SHARE do.
 LEAST_LINES, SHARE, EMPTY_SHARE = 4, 0.3, 0.1
-#: A place is at a container that is not farther from it, metres.
+#: A place is at a container that is no farther away than this, metres.
 AT_M: Final = 0.2
-#: How much more probable it is that something stands at the place of a thing if that is there than if it is elsewhere,
-#: and that nothing does. From 186 remembered places in 82 requests of ``lives_val``.
+#: How much more probable it is to see something, and to see nothing, at the place of a thing if the thing is there than
+#: if it is elsewhere. From 186 remembered places in 82 requests of ``lives_val``.
 STANDS: Final = 5.0
 IS_EMPTY: Final = 0.3
 
 
 def boxes_above(xyz: NDArray[np.float64], size: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The boxes (n, 6) of places without what the things stand on, metres.
+    """The boxes (n, 6) of places without what the things stood on, metres.
 
     Args:
         xyz: (n, 3) middles of what was seen, metres.
-        size: (n, 3) its sides, metres.
+        size: (n, 3) sides of what was seen, metres.
     """
     boxes = np.concatenate([xyz - 0.5 * size, xyz + 0.5 * size], axis=1)
     boxes[:, 2] += np.minimum(ABOVE_M, MOST_ABOVE * size[:, 2])
@@ -41,13 +42,13 @@ def boxes_above(xyz: NDArray[np.float64], size: NDArray[np.float64]) -> NDArray[
 
 
 def _is_shut_in(at: tuple[str, str]) -> bool:
-    """Whether a relation and an anchor are a container's inside."""
+    """Whether a place, given as relation and anchor, is inside a container that opens."""
     relation, anchor = at
     return relation == RELATIONS[INSIDE] and affordance(anchor).openable
 
 
 class Occupied(PartlyShared):
-    """Follows one request; of each place the frame counts in which it fills most of the picture."""
+    """Which places are occupied, in one request; for each place, the frame that shows it largest counts."""
 
     _shared: ClassVar[frozenset[str]] = frozenset({"boxes", "_known"})
     _flat: ClassVar[frozenset[str]] = frozenset({"filled", "now", "open", "_lines"})
@@ -57,10 +58,10 @@ class Occupied(PartlyShared):
 
         Args:
             xyz: (n, 3) middles of what was seen, metres.
-            size: (n, 3) its sides, metres; 0 where they are not known: such places are not asked for.
-            spots: relations and anchors of the n places; those in containers are asked for once these are open.
+            size: (n, 3) sides of what was seen, metres; 0 where they are not known: such places are not checked.
+            spots: relations and anchors of the n places; those in containers are checked once these are open.
         """
-        #: (n, 6) boxes that are asked for, metres
+        #: (n, 6) boxes that are checked, metres
         self.boxes = boxes_above(xyz, size)
         self._known = size.min(1, initial=np.inf) > 0.0
         #: (n,) places that are in no container, or in one that is open

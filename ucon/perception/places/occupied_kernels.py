@@ -1,4 +1,4 @@
-"""Kernel that asks the depth image whether something stands at a place."""
+"""Kernel that counts the sight lines of a depth image that end in the boxes of places."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from ucon.core.jit import F32, F64, I32, jit
 from ucon.perception.mapping.map_kernels import FAR_M
 
-#: Nearer than this nothing is asked, metres.
+#: Boxes with a corner nearer than this are not checked, metres of optical depth.
 _LEAST_M = 0.15
 
 
@@ -15,7 +15,7 @@ _LEAST_M = 0.15
 def fill(depth: F32, camera: F64, boxes: F64, filled: I32, passed: I32) -> None:
     """Count the sight lines of one frame that end in boxes, and those that pass through them.
 
-    What ends before a box hides it and does not count.
+    Sight lines that end before a box do not count: something hides the box.
 
     Args:
         depth: (H, W) float32, metres along the optical axis.

@@ -117,7 +117,7 @@ def _below(box: F64, out: F64) -> int:
 def _around(box: F64, height: F32, half: int, out: F64, n: int) -> int:
     """Points beside a box, on the floor or at the height it stands on; none where a wall or a tall thing stands.
 
-    ``out`` has n rows already. Returns how many it has then.
+    ``out`` has n rows already. Returns how many it has afterwards.
     """
     x0, y0, z0, x1, y1, z1 = box
     cx, cy, wide, deep = 0.5 * (x0 + x1), 0.5 * (y0 + y1), x1 - x0, y1 - y0
@@ -150,7 +150,7 @@ def _around(box: F64, height: F32, half: int, out: F64, n: int) -> int:
 
 @jit
 def facing(boxes: F64, sizes: F64, floor: U8, blocked: U8, walls: U8, half: int, out: I32) -> int:
-    """Estimate by how many quarter turns each of n things stands turned.
+    """Estimate by how many quarter turns each of n things is turned.
 
     A thing's front (+x at 0) faces free floor, its back faces a wall or unseen space, and its depth is not its width.
     The current estimate stays unless another one is clearly better.
@@ -251,7 +251,7 @@ def copy_unseen(
         old_unseen: (b,) float64.
         unseen: (a,) float64, updated.
         old_looked: (b,) uint64, from where the old points were looked at.
-        looked: (a,) uint64, updated alike.
+        looked: (a,) uint64, updated in the same way.
     """
     for a in range(new.shape[0]):
         best = 0.1 if new_relation[a] == INSIDE else 0.3

@@ -13,11 +13,11 @@ from ucon.perception.errors.model import DetectorErrors
 from ucon.perception.hypotheses.hypotheses import limits_m2
 from ucon.perception.places.chance_kernels import STEP_M
 
-#: Looks from farther away count for nothing, metres,
+#: Looks from farther away than this count for nothing, metres.
 FARTHEST_M: Final = 6.0
-#: and looks with a smaller chance, but from so near some always count.
+#: Looks with a smaller chance than LEAST_CHANCE count for nothing, unless from nearer than NEAR_M, metres.
 LEAST_CHANCE, NEAR_M = 0.25, 1.0
-#: A search passes most places several times: a look counts as so many.
+#: A search passes most places several times, so each look counts as this many.
 PASSES: Final = 3.0
 
 
@@ -38,7 +38,7 @@ class Sight(Shared):
         Args:
             errors: of the detector.
             target: its name.
-            passes: a look counts as so many.
+            passes: each look counts as this many.
         """
         away_m: NDArray[np.float64] = STEP_M * np.arange(int(FARTHEST_M / STEP_M), dtype=np.float64)
         chance = errors.right * errors.sighted_curve(target, np.maximum(away_m, STEP_M))

@@ -29,7 +29,7 @@ from ucon.perception.places.place_kernels import (
 from ucon.perception.places.sight import Sight
 from ucon.perception.views.view_kernels import WORDS
 
-#: Share of a noted point by the shape of its thing: none, but it is not a replaced point either.
+#: Share of a noted point by the shape of its thing: practically none, but above 0, which marks replaced points.
 NOTED: Final = 1e-12
 #: A track's points are made again when a side of its box moved by more than this, metres.
 GROWTH_M = 0.15
@@ -96,14 +96,16 @@ class Places(PartlyShared):
 
     @property
     def even(self) -> NDArray[np.float64]:
-        """(n,) float64, share by the shape of the thing alone; it is ``share`` unless :meth:`divide` says otherwise."""
+        """(n,) float64, share by the shape of the thing alone; equals ``share`` unless :meth:`divide` changed that."""
         return self._even[: self._n]
 
     def divide(self, mass: NDArray[np.float64]) -> None:
-        """Divide the mass of each (track, relation) among its points as given; ``share`` follows until points change.
+        """Set ``share`` so that each (track, relation) divides its mass among its points as given.
+
+        Points that are made later start with their ``even`` share.
 
         Args:
-            mass: (n,) of every point; points of a (track, relation) without any share as its shape says.
+            mass: (n,) of every point; the points of a (track, relation) without any mass keep their ``even`` shares.
         """
         row = 4 * self.track + self.relation
         total = np.bincount(row, mass)[row]
@@ -161,7 +163,7 @@ class Places(PartlyShared):
     def _renamed(self, known: SemanticMap) -> list[int]:
         """Tracks with points whose name changed since the last call.
 
-        Their orientation is forgotten, and the points of what is no thing after all.
+        Their orientation is forgotten, and so are the points of tracks that are no thing after all.
         """
         rows = [k for k in np.flatnonzero(known.named_at[: known.n_tracks] > self._named).tolist() if k in self._rows]
         self._named = known.step
@@ -220,13 +222,13 @@ class Places(PartlyShared):
         self._made[track] = box
 
     def note(self, xyz: NDArray[np.float64], like: int, row: int = -1) -> int:
-        """Add a point of its own; it stays, and has mass where :meth:`divide` gives it some.
+        """Add a point apart from those of the thing's shape; it is never replaced, and has mass only by :meth:`divide`.
 
         Args:
             xyz: (3,) metres.
-            like: row of a point of the same thing and relation. It is in the same compartment, if it lies in that;
-                otherwise nothing is known of what is open around it.
-            row: of the point, where it was added before: it goes to the thing and relation of ``like``.
+            like: row of a point of the same thing and relation. The new point is in the same compartment, if it lies in
+                its box; otherwise nothing is known of what is open around it.
+            row: of the point, where it was added before: it is moved to the thing and relation of ``like``.
 
         Returns:
             Its row.
@@ -272,7 +274,7 @@ class Places(PartlyShared):
             active: (n,) bool, points to look at; see :meth:`searched`.
             reach_m: greatest optical depth from which a target would be recognised, metres.
             miss: probability that a frame that shows a point misses a target there; multiplies ``unseen``. Where the
-                detector errs its ``sight`` says it; at 1 nothing is learned there either.
+                detector errs, ``sight`` gives this probability instead, unless ``miss`` is 1: then nothing is learned.
 
         Returns:
             How many points the frame shows.
@@ -301,7 +303,7 @@ class Places(PartlyShared):
         return out
 
     def weights(self, mass: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Mass of every point that was not looked at in vain.
+        """Mass of every point that remains after the looks so far.
 
         Args:
             mass: (T, 4) mass of tracks and relations.
@@ -312,7 +314,7 @@ class Places(PartlyShared):
         return mass[self.track, self.relation] * self.share * self.unseen
 
     def remaining_mass(self, mass: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Mass of tracks and relations that was not looked at in vain.
+        """Mass of tracks and relations that remains after the looks so far.
 
         Args:
             mass: (T, 4) mass before anything was looked at.
@@ -324,7 +326,7 @@ class Places(PartlyShared):
         return np.asarray(summed, np.float64).reshape(mass.shape)
 
     def unseen_share(self, n_tracks: int) -> NDArray[np.float64]:
-        """Share of each track's places that no frame has shown yet; the relations it offers count alike.
+        """Share of each track's places that no frame has shown yet; the relations it offers count equally.
 
         Returns:
             (T,) float64 in [0, 1].

@@ -6,11 +6,11 @@ import numpy as np
 
 from ucon.core.jit import F64, I16, I32, jit, merged
 
-#: Added to the cost of a track that was never called by a box's name: others come first.
+#: Added to the cost of a track that was never called by the box's name, so that tracks that were come first.
 OTHER_NAME = 100.0
-#: Two boxes of other names are one thing if they have so much of the shorter side in common, along every axis.
+#: Two boxes of different names may be one thing if they share this part of the shorter side along every axis.
 COMMON = 0.6
-#: Sides of boxes count as at least so many metres.
+#: Sides of boxes count as at least this many metres.
 THIN_M = 0.06
 
 
@@ -20,7 +20,7 @@ def associate(
 ) -> None:
     """Give the boxes of a frame to the tracks that they fit best, the best pair first; a track takes one box.
 
-    Tracks that were called by a box's name before come first; of others, only one that it covers will do.
+    Tracks that were called by a box's name before come first; of the others, only those that the box covers count.
 
     Args:
         extent: (n, 6) float64, 3-D boxes of the frame, metres.
@@ -29,7 +29,7 @@ def associate(
         most_m: (n,) float64, longest plausible diagonal of a thing of that name.
         boxes: (T, 6) float64, 3-D boxes of the tracks, updated.
         labels: (T, L) int32, numbers of their names so far, -1 where there are fewer; updated.
-        gate_m: largest gap.
+        gate_m: largest gap, metres.
         track: (n,) int16, written: the track, -1 for none.
     """
     cost = np.full((boxes.shape[0], extent.shape[0]), np.inf)

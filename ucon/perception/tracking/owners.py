@@ -59,6 +59,6 @@ class TrackInstances(PartlyShared):
         found: list[int] = []
         for wanted in set(instances):
             sizes = {track: pixels for track, (instance, pixels) in self._behind.items() if instance == wanted}
-            # What covers little of it is a small thing before it, in a box that is too large.
+            # A track that covers little of it is a small thing in front of it, in a box that is too large.
             found += [track for track, pixels in sizes.items() if 4 * pixels >= max(sizes.values())]
         return tuple(sorted(found))

@@ -31,7 +31,7 @@ def main_depth(depth: F32, box: I32, mask: Flags, plane: I32, behind: Flags) -> 
         box: (4,) int32, pixels within the frame; right and bottom exclusive.
         mask: (H, W) bool, the thing's pixels; (0, 0) for a detector without masks.
         plane: (H, W) int32, plane patch of every pixel.
-        behind: (n,) bool, patches that go on beyond the box: they are left out. Not read with a mask.
+        behind: (n,) bool, patches that extend beyond the box: they are left out. Not read with a mask.
     """
     count = np.zeros(_BINS, np.int32)
     for inner in (True, False):
@@ -58,8 +58,8 @@ def segment(
 ) -> None:
     """Find the pixels of the thing in each box; boxes later in the order take pixels from earlier ones.
 
-    A plane that goes on beyond a box (floor, wall, table top) is not the thing in it. Of the rest, what is about as
-    deep as the box's main depth belongs to the thing.
+    A plane that extends beyond a box (floor, wall, table top) is not the thing in it. Of the rest, pixels near the
+    box's main depth belong to the thing.
 
     Args:
         depth: (H, W) float32, metres along the optical axis.
@@ -95,7 +95,7 @@ def segment(
 
 @jit
 def _background(depth: F32, box: I32, plane: I32, total: I32, inside: I32, behind: Flags) -> None:
-    """Find the plane patches in a box that go on beyond it: floor, wall, table top.
+    """Find the plane patches in a box that extend beyond it: floor, wall, table top.
 
     Args:
         depth: (H, W) float32, metres along the optical axis.
@@ -104,7 +104,7 @@ def _background(depth: F32, box: I32, plane: I32, total: I32, inside: I32, behin
         total: (n,) int32, pixels of every patch.
         inside: (n,) int32, scratch.
         behind: (n,) bool, written for the patches in the box. All False where little would be left of the box: then
-            the thing is flush with what is beside it.
+            the thing is flush with what is next to it.
     """
     # The box may be off: what is a little beyond it may be the thing.
     grow = 1 + max(box[2] - box[0], box[3] - box[1]) // 8
@@ -145,7 +145,7 @@ def _claim(
     masked = mask.shape[0] > 0
     on_floor = _mean_height(depth, box, main, camera) < 2 * FLOOR_M
     count = 0
-    for steal in (False, True):  # what smaller boxes cover wholly is taken back
+    for steal in (False, True):  # a thing that smaller boxes cover wholly takes its pixels back
         count, own = 0, 0
         for v in range(box[1], box[3]):
             for u in range(box[0], box[2]):

@@ -1,4 +1,4 @@
-"""Kernels that tell by geometry what the pixels are that belong to no thing.
+"""Kernels that classify, by geometry, the pixels that belong to no thing.
 
 The camera is that of :mod:`ucon.perception.mapping.map_kernels`; heights are metres above the floor.
 """
@@ -13,7 +13,7 @@ from ucon.perception.tracking.segment_kernels import FLOOR_M
 
 #: Points above this height are ceiling, metres.
 CEILING_M = 2.2
-#: An upright plane above this height is a wall: apart from wardrobes no furniture of the catalogue is so high.
+#: An upright plane above this height is a wall: apart from wardrobes no furniture of the catalogue is that high.
 ABOVE_FURNITURE_M = 1.95
 FLOORS, WALLS, CEILINGS, OBSTACLES = 0, 1, 2, 3
 

@@ -1,7 +1,7 @@
 """Tracks labelled boxes through an episode: boxes and depth become 3-D boxes, and these become tracks.
 
 A box joins the nearest track that was called by its name before, if the two can be one thing; else a track that it
-covers, whatever that was called: one thing that a detector calls by two names is one track. A track takes at most one
+covers, whatever its names, so that a thing that the detector calls by two names is one track. A track takes at most one
 box a frame. Pixels in no box are floor, wall, ceiling or obstacle by geometry; these have the first four tracks of
 every episode.
 """
@@ -28,7 +28,7 @@ from ucon.perception.tracking.structure_kernels import structure
 STRUCTURE = ("floors", "walls", "ceilings", "obstacles")
 #: Boxes of one category farther apart than this, in metres, are two things.
 GATE_M = 0.3
-#: Names of a track that are remembered.
+#: Most names of a track that are remembered.
 MOST_NAMES = 6
 #: Most tracks of an episode: track numbers are int16.
 MOST_TRACKS = 32000
@@ -129,7 +129,7 @@ def _painted(boxes: Boxes, shape: tuple[int, ...]) -> tuple[Boxes, NDArray[np.in
 def _most_m(label: str) -> float:
     """Longest plausible diagonal of a thing of a category, in metres.
 
-    A fifth longer than the catalogue's, and 0.1 m: sizes vary, and boxes hold some of what is beside a thing.
+    A fifth longer than the catalogue's, plus 0.1 m: sizes vary, and boxes hold some of what is next to a thing.
     """
     book = catalogue()
     return 1.2 * float(np.linalg.norm(book[label].size)) + 0.1 if label in book else 3.0

@@ -23,7 +23,7 @@ from ucon.perception.views.approach_kernels import best_views
 DRAWER_NEAR_M = 0.55
 #: Least reach in metres for things whose box is too large.
 LEAST_NEAR_M = 0.5
-#: By how much of its longer side the box of a thing may be too wide where the detector errs.
+#: Share of its longer side by which the box of a thing may be too wide, where the detector errs.
 LOOSE = 0.1
 
 
@@ -146,7 +146,7 @@ class Approach(PartlyShared):
 
 
 def _reach_m(known: SemanticMap, tracks: NDArray[np.int64]) -> NDArray[np.float64]:
-    """(m,) how near what was seen of each track must be, metres: less for what may have come out with a drawer."""
+    """(m,) how near the box of each track must be, metres: less for things that may have come out with a drawer."""
     box = known.box[tracks]
     x, y = 0.5 * (box[:, 0] + box[:, 3]), 0.5 * (box[:, 1] + box[:, 4])
     out = np.full(len(tracks), known.body.near_m - 0.005)
@@ -161,9 +161,9 @@ def _reach_m(known: SemanticMap, tracks: NDArray[np.int64]) -> NDArray[np.float6
 
 
 def _excess_m(known: SemanticMap, tracks: NDArray[np.int64]) -> NDArray[np.float64]:
-    """(m,) by how much what was seen of each track is wider than its category, metres.
+    """(m,) by how much the box of each track may be wider than the thing, metres.
 
-    By so much the thing may be farther away than what was seen: a box holds some of what is beside it.
+    The thing may be farther away than its box by this much: a box holds some of what is next to the thing.
     """
     sides = known.box[tracks, 3:5] - known.box[tracks, :2]
     loose = 0.0 if known.hypotheses is None else LOOSE * sides.max(1)

@@ -35,7 +35,7 @@ def best_views(
         seen: (m, 2) float64, pixels of the best sight so far and its distance; predicts the size from nearby.
         failed: (k, 5) int32, poses (i, j, heading, look) that failed, and how often.
         best: (m, 4) int32, written: i, j, heading, row of ``eyes``.
-        cost: (m,) int32, updated; before, the cost of unreachable things. Only cheaper poses replace it.
+        cost: (m,) int32, updated; on entry, the cost of unreachable things. Only cheaper poses replace it.
     """
     for k in range(boxes.shape[0]):
         sight_of = (seen[k, 0], seen[k, 1])

@@ -56,7 +56,7 @@ class Candidate(Shared):
 def candidates(known: SemanticMap, planner: Planner, places: Places, *, least_unseen: float = 0.3) -> list[Candidate]:
     """All candidates on the map: frontiers, landmarks and closed containers.
 
-    A landmark is a piece of furniture of whose places more than ``least_unseen`` was not shown yet.
+    A landmark is a piece of furniture with more than ``least_unseen`` of its places not shown yet.
 
     Args:
         known: the map.

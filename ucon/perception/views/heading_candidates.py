@@ -14,7 +14,7 @@ from ucon.perception.mapping.sightings import Sighting
 from ucon.perception.views.candidates import Candidate
 from ucon.perception.views.node_kernels import nodes_ahead
 
-#: Which node in a direction to go to: a random one, the farthest, or that nearest to the centre of the floor in view.
+#: Which node in a direction to go to: a random one, the farthest, or the one nearest the centre of the floor in view.
 Goal = Literal["random", "farthest", "floor"]
 _MOST_NODES = 4096
 

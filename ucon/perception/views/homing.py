@@ -15,11 +15,11 @@ from ucon.task.actions import Action
 class Homing(PartlyShared):
     """Leads the agent to one track and calls Done.
 
-    All agents share it, so that they differ in searching alone.
+    All agents share it, so that they differ only in how they search.
 
     Attributes:
         approach: finds the poses to walk to.
-        goal: the pose that it is walking to; None before the first plan.
+        goal: the pose that the agent is walking to; None before the first plan.
     """
 
     _flat: ClassVar[frozenset[str]] = frozenset({"_plan"})

@@ -11,7 +11,7 @@ from ucon.core.jit import F64, I32, jit
 
 I64: TypeAlias = NDArray[np.int64]
 
-#: Views with one heading count as alike if their nodes are at most so many cells apart.
+#: Views with one heading count as alike if their nodes are at most this many cells apart.
 ALIKE_CELLS = 3
 
 

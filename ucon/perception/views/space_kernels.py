@@ -78,7 +78,7 @@ def fade_space(i: int, j: int, looks: tuple[int, int], cells: Any, reach: tuple[
     Args:
         i: of the node.
         j: of the node.
-        looks: heading, and of how many.
+        looks: heading, and number of headings.
         cells: as in :func:`space_gain`.
         reach: as in :func:`space_gain`.
         factor: multiplies ``stale``.

@@ -18,7 +18,8 @@ from ucon.perception.mapping.map_kernels import CELL_M, shows
 PITCHES_DEG = (-60, -30, 0, 30)
 _COS = np.cos(np.deg2rad(PITCHES_DEG))
 _SIN = np.sin(np.deg2rad(PITCHES_DEG))
-#: For nodes up to so many cells from a point it is kept that the point is hidden there; bits of a row for all of them.
+#: For each node up to SPAN cells from a point, one bit says whether the point is hidden from there; a point has WORDS
+#: words of 64 bits.
 SPAN = 24
 WORDS = ((2 * SPAN + 1) ** 2 + 63) // 64
 
@@ -72,9 +73,9 @@ def in_sight(
     m: int, i: int, j: int, cam_z: float, place: F64, hollow: F64, faces: U8, hidden: Any, height: F32, walls: U8,
     half: int,
 ) -> bool:  # fmt: skip
-    """Whether a sample point shows at a node, through an open side of its compartment and with nothing in between.
+    """Whether a node sees a sample point, through an open side of its compartment and with nothing in between.
 
-    Heights and walls only grow, so a point that is hidden once stays hidden from there: that is kept in ``hidden``.
+    Heights and walls only grow, so a point once hidden from a node stays hidden from it: ``hidden`` records this.
 
     Args:
         m: row of the point.
@@ -200,7 +201,7 @@ def fade_places(
         x: of the camera, metres.
         y: of the camera, metres.
         cam_z: of the camera, metres.
-        looks: heading, of how many, and number of the pitch in ``PITCHES_DEG``.
+        looks: heading, number of headings, and number of the pitch in ``PITCHES_DEG``.
         place: (m, 3) float64, the points, metres.
         hollow: (m, 6) float64, boxes of their compartments, metres.
         faces: (m,) uint8, bits of the compartments' open sides.
@@ -235,8 +236,8 @@ def open_gain(
     Args:
         index: (c, c) int32, row of a node in ``out``, -1 where no view is considered.
         boxes: (m, 6) float64, what was seen of the containers, metres.
-        whole: whether these are whole containers: one whose nearest point is in sight is seen. Otherwise they are
-            fronts, whose middle must be in sight; a whole container stands before its own middle.
+        whole: whether boxes are whole containers, which hide their own middle: their nearest point must be in sight.
+            Otherwise boxes are fronts, whose middle must be in sight.
         weight: (m,) float64, mass inside.
         reach_m: reach of Open, metres.
         cam_z: height of the camera, metres.

@@ -19,7 +19,7 @@ from ucon.perception.places.target_places import Places
 from ucon.perception.views import view_kernels as kernels
 from ucon.perception.views.space_kernels import fade_space, space_gain
 
-#: Every node within so many cells is considered, and one in four beyond.
+#: Every node within this many cells is considered, and one in four beyond.
 FINE_CELLS = 4
 #: Places with ``unseen`` up to this are not looked at again until everything else was.
 SEEN = 0.15
@@ -71,8 +71,8 @@ class Costs(Shared):
     space_cells: int = 22
     """How far from a node unexplored space counts, in cells."""
     space: float = 1.75
-    """Factor of the gain of unexplored space, since there is more behind what a view shows. A judgement: between 1 and
-    2.5 SR and SPL on the validation set differ by less than their noise."""
+    """Factor of the gain of unexplored space, since there is more behind what a view shows. A judgement: between
+    factors of 1 and 2.5, SR and SPL on the validation set differ by less than their noise."""
     around: float = 1.0
     """Of each further heading when the agent looks around at a node."""
 
@@ -102,7 +102,7 @@ class ViewValues(Shared):
     score: NDArray[np.float64]
     """(n, H, 4) the better of the two."""
     kept_at: tuple[int, int, int]
-    """Node, heading and pitch numbers of the view that the agent is on its way to; -1 first where there is none."""
+    """Node, heading and pitch numbers of the view that the agent is on its way to; (-1, 0, 0) where there is none."""
 
     def at(self, n: int, h: int, p: int) -> Choice:
         """The choice of one view; it opens on arrival if that has the higher score.
@@ -323,7 +323,7 @@ class Viewpoints(PartlyShared):
             factor: multiplies both.
         """
         view = known.view
-        x, y = view.node_xy  # what was expected was expected from there
+        x, y = view.node_xy  # views are valued from their nodes
         cells = (known.explored, known.height, known.near, self.stale, self._even)
         looks, reach = (view.heading, known.body.headings), (self.costs.space_cells, self.reach_m)
         fade_space(view.i, view.j, looks, cells, reach, factor)

@@ -42,7 +42,7 @@ _TITLES: Final = frozenset({"Mr", "Mrs", "Miss", "Ms", "Dr"})
 
 
 def days_named(text: str) -> frozenset[int]:
-    """Days, 0 (Monday) to 6, that a sentence names; a range such as "Monday to Friday" names all between."""
+    """Days, 0 (Monday) to 6, that a sentence names; a range such as "Monday to Friday" names all days between."""
     low = text.lower()
     found = set().union(*(_DAYS.get(word.removesuffix("s"), ()) for word in tokens(low)))
     for first, last in _RANGE.findall(low):
@@ -65,5 +65,5 @@ def seasons_named(text: str) -> frozenset[int]:
 
 
 def names_in(text: str) -> frozenset[str]:
-    """Capitalised words of a text but titles: among them the names of people."""
+    """Capitalised words of a text except titles; names of people are among them."""
     return frozenset(_NAME.findall(text)) - _TITLES

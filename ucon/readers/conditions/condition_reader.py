@@ -1,6 +1,6 @@
 """The condition reader: does what a sentence says hold in the told context?
 
-For each kind of condition (day, hour, season, occasion) a softmax regression divides one among three: the sentence
+For each kind of condition (day, hour, season, occasion) a softmax regression gives three probabilities: the sentence
 holds, fails, or is silent about it. Its features are the calendar's words, the likeness of the sentence to what was
 told and to the rest of the calendar, and a linear probe that tells whether the sentence has a condition of that kind at
 all. Fitted on train entries (:mod:`ucon.fitting.conditions`). Who asks is read by name.
@@ -33,9 +33,9 @@ USES: Final = ("fitted", "head", "retrieval", "language")
 """Who weighs sentences: the fitted reader, the belief head, retrieval, the sentence encoder as a language model."""
 PARTS_OF_DAY: Final = ("morning", "afternoon", "evening", "night")
 DECIMALS: Final = 4
-#: Likeness of a sentence and a time of the calendar is multiplied by this, so that features are of one size.
+#: Likeness of a sentence and a time of the calendar is multiplied by this, so that features have similar scales.
 _SCALE: Final = 10.0
-#: Sentences that are kept as read, over all knowledge bases; one of them is kept whatever its size.
+#: Most sentences whose readings are cached, over all knowledge bases; one of these is cached whatever its size.
 _REMEMBERED: Final = 60_000
 _PHRASES: Final[Mapping[str, Sequence[str]]] = {
     "day": ("on weekdays, from Monday to Friday", "at the weekend, on Saturday and Sunday"),
@@ -46,7 +46,7 @@ _PHRASES: Final[Mapping[str, Sequence[str]]] = {
 
 @dataclass(frozen=True, eq=False)
 class Holding:
-    """What H sentences say of the told context, by kind: day, time, season, occasion, user."""
+    """What H sentences say about the told context, by kind: day, time, season, occasion, user."""
 
     holds: Array
     """(H, 5) probability that a sentence has a condition of this kind and that it holds."""
@@ -72,12 +72,12 @@ class Strength:
     fails: float
     """Weight of one whose condition fails for certain."""
     sharpness: float = 1.0
-    """Power to which the fitted anchor reader raises what weighing changes; others do not use it."""
+    """Power to which the fitted anchor reader raises the effect of the weights; others do not use it."""
 
 
 @dataclass(frozen=True, eq=False)
 class ReadSentences:
-    """What is read of H sentences before any context is told."""
+    """What is read from H sentences before any context is told."""
 
     named: Mapping[str, NDArray[np.bool_]]
     """By kind: which days (H, 7), hours (H, 24), seasons (H, 4) or known occasions (H, O) they name."""
@@ -105,13 +105,13 @@ class ReadSentences:
 
 
 class ConditionReader(Shared):
-    """Reads conditions of sentences. One per process; it keeps what it read.
+    """Reads conditions of sentences. One per process; it caches what it has read.
 
     Args:
-        probe: (D + 1, 4) weights and bias of the probes, one a kind.
+        probe: (D + 1, 4) weights and bias of the probes, one per kind.
         shares: (4, N_FEATURES, 3) weights of holds, fails and silent, by kind.
-        occasions: O occasions that are known.
-        words: (O,) stems that speak of each occasion.
+        occasions: O known occasions.
+        words: (O,) stems that refer to each occasion.
         strengths: by use (:data:`USES`).
         encoder: of sentences.
     """
@@ -143,7 +143,7 @@ class ConditionReader(Shared):
         self._told_occasions = dict(zip(self.occasions, known, strict=True))
 
     def __reduce_ex__(self, protocol: Any) -> Any:
-        """Pickles name the shipped reader, whose weights are checked wherever they are loaded."""
+        """Pickle the shipped reader by name; its weights are checked wherever they are loaded."""
         return (default_conditions, ()) if is_the_one(default_conditions, self) else super().__reduce_ex__(protocol)
 
     def holding(self, texts: Sequence[str], context: Context) -> Holding:
@@ -151,7 +151,7 @@ class ConditionReader(Shared):
 
         Args:
             texts: the sentences.
-            context: that was told.
+            context: the context that was told.
         """
         read, mention = self._known(tuple(texts))
         holds, fails = np.zeros((len(read), len(KINDS) + 1)), np.zeros((len(read), len(KINDS) + 1))
@@ -173,7 +173,7 @@ class ConditionReader(Shared):
 
         Args:
             texts: H sentences.
-            context: that was told.
+            context: the context that was told.
             use: whose strength, of :data:`USES`.
         """
         return self.holding(texts, context).weights(self.strengths[use])
@@ -183,14 +183,14 @@ class ConditionReader(Shared):
         return read.vectors @ self.probe[:-1] + self.probe[-1]
 
     def features(self, read: ReadSentences, context: Context, kind: str, mention: Array) -> Array:
-        """What H sentences are judged by in a context, (H, N_FEATURES).
+        """Features of H sentences in a context, (H, N_FEATURES).
 
         Bias; told time named; other times named; another day, but of the same part of the week, named; likeness to what
-        was told, and beyond the likest other; whether no occasion was told; the probe's logit.
+        was told, and how far that exceeds the largest other likeness; whether no occasion was told; the probe's logit.
 
         Args:
             read: of :meth:`sentences`.
-            context: that was told.
+            context: the context that was told.
             kind: of :data:`KINDS`.
             mention: (H,) of :meth:`mentions`.
         """
@@ -217,14 +217,14 @@ class ConditionReader(Shared):
         return x
 
     def _occasion(self, name: str) -> tuple[Array, frozenset[str]]:
-        """Vector and stems of an occasion; of one that no train entry names, by its own words."""
+        """Vector and stems of an occasion; if no train entry names it, from its own words."""
         if name not in self._told_occasions:
             vector = self.encoder.encode_half([occasion_phrase(name)])[0].astype(np.float64)
             self._told_occasions[name] = vector, frozenset(stems(name.replace("/", " ").replace("-", " ")))
         return self._told_occasions[name]
 
     def sentences(self, texts: Sequence[str]) -> ReadSentences:
-        """What H sentences say of the calendar, each read once."""
+        """What H sentences say about the calendar, each read once."""
         half = self.encoder.encode_half(texts)
         rows = self._rows_of(texts, half)
         named = np.stack([row[0] for row in rows]) if rows else np.zeros((0, self._ends_named[-1]), bool)
@@ -238,7 +238,7 @@ class ConditionReader(Shared):
         )
 
     def _rows_of(self, texts: Sequence[str], half: NDArray[np.float16]) -> list[tuple[NDArray[np.bool_], Array]]:
-        """By sentence what it names, and its likeness, the kinds side by side; new ones are read together."""
+        """For each sentence, what it names and its likeness, kinds side by side; new sentences are read together."""
         new = {text: k for k, text in enumerate(texts) if text not in self._rows}
         if len(self._rows) + len(new) > _REMEMBERED:
             self._rows.clear()
@@ -263,7 +263,7 @@ class ConditionReader(Shared):
         ]
 
     def _known(self, texts: tuple[str, ...]) -> tuple[ReadSentences, Array]:
-        """Sentences as read, and their mentions; kept, since the same ones are asked about in many contexts."""
+        """Sentences as read, and their mentions; cached, since the same ones are asked about in many contexts."""
         if texts not in self._read:
             read = self.sentences(texts)
             self._read[texts] = read, self.mentions(read)
@@ -300,8 +300,8 @@ def counting(
         conditions: reads what was told.
         texts: H sentences.
         use: whose strength, of :data:`USES`.
-        context: that was told; None: none.
-        valid: (H,) probability that each habit has not changed since it was told; None: none has.
+        context: the context that was told; None: none was told.
+        valid: (H,) probability that each habit has not changed since it was told; None: none has changed.
     """
     holds = None if context is None else conditions.weights(texts, context, use)
     if valid is None:

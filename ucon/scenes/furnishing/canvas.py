@@ -1,4 +1,4 @@
-"""One room while it is being furnished: its items, what must stay clear, and which nodes can be walked.
+"""One room while it is being furnished: its items, what must stay clear, and which nodes are walkable.
 
 A :class:`Group` is a rigid arrangement of items in its own frame (origin at the back, +x into the room). The canvas
 tries poses of a group in order of cost. It accepts the first that hits nothing, keeps every node reachable and leaves
@@ -59,7 +59,7 @@ class Group:
 
     pieces: list[Piece]
     voids: list[Box3] = field(default_factory=list)
-    """Boxes that must stay clear of solid things, also later."""
+    """Boxes that must stay clear of solid things, including those placed later."""
     fronts: list[tuple[float, float, float, float]] = field(default_factory=list)
     """Rectangles that must each contain a reachable node."""
     margin_m: float = 0.05
@@ -89,7 +89,7 @@ class Canvas:
         fronts: rectangles that must each contain a reachable node.
         nodes_x: (nx,) x of the nodes, metres.
         nodes_y: (ny,) y of them.
-        free: (nx, ny) bool, nodes that can be walked.
+        free: (nx, ny) bool, walkable nodes.
         door_nodes: nodes in the openings.
     """
 

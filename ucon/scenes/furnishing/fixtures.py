@@ -35,14 +35,14 @@ def door_frame(opening: Opening, room: int, tint: int) -> Item:
 
 
 class Fixer:
-    """Hangs fixtures in one furnished room.
+    """Hangs fixtures in one room.
 
     Attributes:
         missing: by category, how many found no place.
     """
 
     def __init__(self, canvas: Canvas, exterior: list[tuple[int, float, float]], seed: int, name: str) -> None:
-        """Take over a furnished room.
+        """Take over a room.
 
         Args:
             canvas: the room.

@@ -266,7 +266,7 @@ class Furnisher(TablePlacer):
             self.place_each(category, g.single(category, tint=self.tint), "corner", limit=12)
 
     def carpets(self) -> None:
-        """Place carpets in the middle, under what is there."""
+        """Place carpets in the middle, under the furniture."""
         for k in range(self.wants["carpet"]):
             for size in SMALL_CARPETS.get(self.type, CARPETS if k == 0 else CARPETS[2:]):
                 group = Group([Piece("carpet", size, 0.0, 0.0, tint=self.tint + k)], margin_m=0.1)

@@ -50,7 +50,7 @@ def leaf_m(width_m: float) -> float:
 
 
 def front_rect(box: Box3) -> tuple[float, float, float, float]:
-    """Rectangle x0, y0, x1, y1 where a person stands who opens the +x side of a box."""
+    """Rectangle x0, y0, x1, y1 where a person stands to open the +x side of a box."""
     return (box[3] + 0.18, box[1] - 0.125, box[3] + 0.98, box[4] + 0.125)
 
 
@@ -223,7 +223,7 @@ def shelf_row(category: str, size: Vec3, n: int, tint: int, aisle_m: float) -> G
     Args:
         category: of the shelves.
         size: of a shelf, metres.
-        n: shelves of a row.
+        n: number of shelves, both sides together.
         tint: colour variant.
         aisle_m: width of the aisles.
     """

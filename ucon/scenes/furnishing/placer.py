@@ -13,7 +13,7 @@ from ucon.scenes.furnishing import groups as g
 from ucon.scenes.furnishing.canvas import Canvas, Group
 
 HALL_M2, SPREAD_M = 40.0, 9.0
-"""In rooms larger than the first, tables are spread over the floor by about the second."""
+"""In rooms larger than ``HALL_M2``, noise of up to ``SPREAD_M`` spreads the tables over the floor."""
 
 
 class Placer:

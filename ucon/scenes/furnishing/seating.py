@@ -44,8 +44,6 @@ class TablePlacer(CounterPlacer):
         if table in ("breakfast_table", "conference_table"):
             x, y = (0.85, 1.2) if n <= 4 else (0.9, 1.7) if n <= 6 else (1.0, 2.2)
         for count in range(n, -1, -1):
-            if count == 0 and n > 0 and self.type in SEAT_ROOMS is False:
-                break
             seat = chairs[0] if chairs else "straight_chair"
             count = min(count, sum(c == seat for c in chairs)) if chairs else 0
             around = 0.35 if count == n else 0.15

@@ -1,4 +1,4 @@
-"""Small things of a furnished room: on tables and shelves, and on the floor beside the wall."""
+"""Small things of a furnished room: on tables and shelves, and on the floor along the walls."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ class SmallThings:
         return fix_noise(self.seed, self.name, key, n, scale)
 
     def put(self, wants: Mapping[str, int]) -> None:
-        """Put small things on tops, on shelves, or on the floor beside the wall.
+        """Put small things on tops, on shelves, or on the floor along the walls.
 
         Args:
             wants: by category, how many.

@@ -33,7 +33,7 @@ class PlacementRequest:
         anchor: instance.
         rng: random numbers.
         relation: to the anchor.
-        spot: what is said of the place beside.
+        spot: further demands on the place: side and facing.
     """
 
     scene: Surroundings
@@ -68,7 +68,7 @@ def ordered(
     penalty: Array | float = 0.0,
     keep: int = 24,
 ) -> Iterator[Slot]:
-    """Slots at the clear ones of some centres, by penalty plus noise.
+    """Slots at those of some centres that are clear, in order of penalty plus noise.
 
     Args:
         request: the request.
@@ -84,7 +84,7 @@ def ordered(
     boxes = slot_boxes(centres, z, pose)
     if isinstance(z, float) and abs(z) < _FLOOR_M:
         rugs = rug_tops(request.scene.parts.boxes, boxes, RUG_M)
-        z, penalty = z + rugs[:, 0], penalty + 5.0 * rugs[:, 1]  # Half on a rug it would tilt.
+        z, penalty = z + rugs[:, 0], penalty + 5.0 * rugs[:, 1]  # Half on a rug, it would tilt.
         boxes = slot_boxes(centres, z, pose)
     order = np.argsort(noise + penalty, kind="stable")
     if request.spot != ANYWHERE:
@@ -104,7 +104,7 @@ def ordered(
 
 
 def _turned(request: PlacementRequest, pose: SlotPose) -> SlotPose | None:
-    """The pose or its half turn, at random; of those that face as they should, where that is said."""
+    """The pose or its half turn, at random; if the spot asks for facing, one that faces so, or None."""
     turned = flipped(request.shape, pose, request.rng)
     if not request.spot.facing:
         return turned

@@ -72,7 +72,7 @@ def _own_openables(scene: Surroundings) -> list[int]:
 
 
 def _front_nodes(house: House) -> dict[int, NDArray[np.int64]]:
-    """Nodes before the front of every openable item, within reach."""
+    """Free nodes in front of every openable item, within reach."""
     if house not in _fronts:
         result = {}
         for instance in openables(house.spec):

@@ -112,7 +112,7 @@ def import_anchor(house: House, arrangement: Arrangement, category: str, rng: np
 
 
 def _rooms(house: House, row: Category, rng: np.random.Generator) -> list[int]:
-    """Rooms in random order, those of the catalogue first, corridors and the like last."""
+    """Rooms in random order: those of the catalogue first, and in each group corridors and outdoor rooms last."""
     order = [int(r) for r in rng.permutation(len(house.spec.rooms))]
     kinds = [house.spec.rooms[r].type for r in range(len(house.spec.rooms))]
     return sorted(order, key=lambda r: (kinds[r] not in row.rooms, house.spec.rooms[r].outdoor, kinds[r] == "corridor"))

@@ -39,7 +39,7 @@ def are_clear(parts: Array, boxes: Array, touch: float) -> NDArray[np.bool_]:
 
     Args:
         parts: (m, 6) metres.
-        boxes: (n, 6) metres, shrunk by ``touch`` on every side.
+        boxes: (n, 6) metres; each is shrunk by ``touch`` on every side before the test.
         touch: metres.
 
     Returns:
@@ -122,11 +122,11 @@ def ring(box: Array, half_x: float, half_y: float, gaps: Array, step: float, mos
 
     Args:
         box: (6,) metres.
-        half_x: half the footprint's extent.
-        half_y: half the footprint's extent.
+        half_x: half the footprint's extent along x.
+        half_y: half the footprint's extent along y.
         gaps: (g,) metres.
         step: distance between centres, metres.
-        most: most steps a side.
+        most: most steps per side.
 
     Returns:
         (n, 2) metres.

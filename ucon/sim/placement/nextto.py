@@ -49,7 +49,7 @@ def limit_m(a: Array, b: Array) -> float:
 
 
 def gap_m(a: Array, b: Array) -> Array:
-    """Horizontal distance of boxes (..., 6), metres."""
+    """Horizontal distance between boxes (..., 6), metres."""
     delta = np.maximum(np.maximum(a[..., :2] - b[..., 3:5], b[..., :2] - a[..., 3:5]), 0.0)
     return np.hypot(delta[..., 0], delta[..., 1])
 
@@ -255,7 +255,7 @@ def _rows_near(scene: Surroundings, reach: Array) -> list[int]:
 
 
 def _on_level(level: Array, centres: Array, pose: SlotPose) -> NDArray[np.bool_]:
-    """Whether footprints rest on a level: all of it, save a fifth at an edge."""
+    """Whether footprints rest on a level; up to a fifth of the length may project over each edge."""
     half = 0.3 * pose.extent[:2]
     return np.asarray(np.all((centres - half >= level[:2]) & (centres + half <= level[3:5]), axis=1))
 
@@ -274,7 +274,7 @@ def _lattice(rect: Array) -> Array:
 
 
 def _in_doorway(scene: Surroundings, centres: Array, pose: SlotPose) -> NDArray[np.bool_]:
-    """Whether footprints (n, 2) stand in the way through an opening."""
+    """Whether footprints at centres (n, 2) stand in the way through an opening."""
     found = np.zeros(len(centres), bool)
     half = pose.extent[:2] / 2
     for opening in scene.house.spec.openings:

@@ -45,7 +45,7 @@ def fits(level: Array, pose: SlotPose) -> bool:
     """Whether an object in a pose fits on an empty level, with a little overhang.
 
     Args:
-        level: (6,) rectangle, height, and height of what is above, metres.
+        level: (6,) x0, y0, height, x1, y1, height of what is above it; metres.
         pose: orientation of the object.
     """
     room = level[3:5] - level[:2]

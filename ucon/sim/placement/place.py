@@ -55,7 +55,7 @@ def place(
         relation: ``ontop``, ``inside``, ``under`` or ``nextto``.
         anchor: instance number, of the house or of an object in ``arrangement``.
         rng: source of all choices.
-        spot: what is said of the place beside; its room is the caller's choice of an anchor.
+        spot: further demands on the place: side and facing; its ``room`` is left to the caller's choice of an anchor.
 
     Raises:
         RefusedError: a :class:`PlacementError` with a ``reason``.

@@ -1,7 +1,7 @@
 """Whether a placement is possible at all, by the shapes of its two categories and without a home.
 
-The measures are those of the samplers: what is refused here, :func:`ucon.sim.placement.place` refuses for every anchor
-of that size, or no person would carry it there. What is not refused may still find no free place in a home.
+The criteria are those of the samplers: what is refused here, :func:`ucon.sim.placement.place` refuses for every anchor
+of that size, or nobody would carry it there. What is not refused may still find no free place in a home.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _HUNG = frozenset(
         *("painting", "picture", "poster", "valentine_wreath", "wall_clock", "wall_mounted_light", "window_blind"),
     )
 )
-"""Categories that hang on a nail, so that people move them."""
+"""Categories that hang on a nail, and that people therefore move."""
 
 
 @lru_cache(maxsize=65536)

@@ -23,7 +23,7 @@ _STEP_M = 0.04
 _MAX_PER_AXIS = 24
 _NODE_REACH = 5
 _SLENDER = 0.14
-"""Objects whose base is a smaller fraction of their height are laid down first."""
+"""Objects whose base is narrower than this fraction of their height are laid down first."""
 
 _ROLL = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 _PITCH = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
@@ -70,7 +70,7 @@ def poses(shape: Solid, *, lay: bool, stand: bool = False) -> list[SlotPose]:
     Args:
         shape: collision primitives of the object.
         lay: allow lying for every object.
-        stand: slender objects do not lie first: a broom on the floor.
+        stand: do not lay slender objects down first, such as a broom on the floor.
     """
     return list(_poses(_Key(shape), lay, stand))
 

@@ -1,4 +1,4 @@
-"""Spots: the part of an anchor, or the side of it, that an object is put at: the foot of the bed, behind the laptop."""
+"""Spots: the part or side of an anchor that an object is put at, such as the foot of the bed or behind the laptop."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from ucon.sim.shapes import Array
 
 Side = Literal["front", "behind", "left", "right"]
 SIDES: Final[tuple[Side, ...]] = get_args(Side)
-#: Direction of each side in the anchor's frame, whose +x is its front. Left and right are those of one who stands in
-#: front and looks at it. The foot of a bed is its front, as its head is at the wall.
+#: Direction of each side in the anchor's frame, whose +x is its front. Left and right are as seen by
+#: someone who stands in front of it. The foot of a bed is its front, as its head is at the wall.
 _AHEAD_LEFT: Final = {"front": (1.0, 0.0), "behind": (-1.0, 0.0), "left": (0.0, -1.0), "right": (0.0, 1.0)}
-#: A side of a top begins here, as a fraction of the way from its middle to its edge: two sides leave a third between.
+#: A side of a top begins at this fraction of the way from its middle to its edge, so the middle third is on no side.
 _PART: Final = 1 / 3
 
 
 @dataclass(frozen=True)
 class Spot:
-    """What is said of a place beside relation and anchor.
+    """What is asked of a place in addition to relation and anchor.
 
     Attributes:
         side: of the anchor; None: any.
@@ -39,10 +39,10 @@ class Spot:
     def holds(
         self, scene: Surroundings, relation: Relation, anchor: int, centres: Array, extent: Array
     ) -> NDArray[np.bool_]:
-        """Whether objects are on the side that was said.
+        """Whether objects are on the side that is asked for.
 
-        Beside an anchor this is where the centre lies before its side and within its width (or the object's, if that is
-        more); else the outer third of what of it things can stand on, such as the bed without its pillows.
+        For ``nextto``, the centre must lie beyond that side of the anchor, within its width (or the object's, if more).
+        Else it must lie in the outer third of the anchor's surfaces, such as the bed without its pillows.
 
         Args:
             scene: the home and its arrangement.
@@ -70,7 +70,7 @@ class Spot:
         return np.asarray(along >= _PART * half[0], np.bool_)
 
     def faces(self, scene: Surroundings, anchor: int, pose: SlotPose) -> bool:
-        """Whether an object in a pose looks where it should.
+        """Whether an object in a pose faces as asked for.
 
         Args:
             scene: the home and its arrangement.
@@ -86,5 +86,5 @@ def _around_tops(scene: Surroundings, anchor: int) -> Array:
     return np.concatenate([tops[:, :3].min(axis=0), tops[:, 3:].max(axis=0)]) if len(tops) else scene.boxes[anchor]
 
 
-#: Nothing is said.
+#: Nothing is asked for.
 ANYWHERE: Final = Spot()

@@ -1,6 +1,6 @@
 """A home with an arrangement as placement sees it: boxes of all parts, and all levels that things can stand on.
 
-Built from arrays that are computed once a home; the arrangement's objects are appended.
+Built from arrays that are computed once per home; the arrangement's objects are appended.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Parts:
 
 @dataclass(frozen=True, eq=False)
 class Levels:
-    """Level rectangles that things can stand on, one a row."""
+    """Level rectangles that things can stand on, one per row."""
 
     box: Array
     """(n, 6) x0, y0, height of the level, x1, y1, height of what is above it; world metres."""

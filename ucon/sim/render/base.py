@@ -15,7 +15,7 @@ from ucon.sim.house import House
 
 VIEW_PX: Final = 128
 VIEW_FOV_DEG: Final = 90.0
-"""The canonical view: pixels are counted at this size and, unless the rules have another one, this angle."""
+"""The canonical view: pixels are counted at this size and, unless the rules set another, this angle."""
 
 SKY: Final = -1
 """Instance number of pixels that show nothing."""

@@ -1,7 +1,7 @@
 """Draws parts (convex solids): projects their corners and draws the faces that look at the camera.
 
 Four in five faces of the parts in view show no pixel: half look away, and many are so far off that they fall between
-pixel centres. They are sorted out by their corners, before their planes are computed.
+pixel centres. They are discarded before their depth planes are computed.
 """
 
 # mypy: disable-error-code="arg-type,operator,assignment,return-value,call-overload,type-var,misc"
@@ -24,7 +24,7 @@ _HALF = np.float32(0.5)
 _ONE = np.float32(1.0)
 _SLACK_PX, _SLACK_SHARE = np.float32(1 / 16), np.float32(4e-6)
 """A face between two columns of pixel centres is skipped only if it is clear of both by more than the rounding error:
-so many pixels, and this fraction of the distance from the first column."""
+this many pixels, plus this fraction of the distance from the first column."""
 
 _CORNER = INDEX.astype(np.uint8)
 
@@ -69,7 +69,7 @@ def draw_part(p: int, geometry: Any, view: Any, window: Any, target: Any) -> Non
 
 @inlined
 def _to_camera(first_corner: int, corners: int, vertices: F32, frame: F32, points: F32) -> float:
-    """Write right, up and ahead of the corners to the first rows of ``points``; returns the nearest ahead."""
+    """Write the corners' (right, up, ahead) to the first rows of ``points``; returns the least ahead."""
     cx, cy, cz = frame[3, 0], frame[3, 1], frame[3, 2]
     rx, ry = frame[0, 0], frame[0, 1]
     ux, uy, uz = frame[1, 0], frame[1, 1], frame[1, 2]
@@ -119,7 +119,8 @@ def _to_picture(corners: int, view: Any, window: Any, points: F32, pixels: I32) 
 def _facing(begin: int, end: int, planes: F32, frame: F32, fronts: I32, distances: F32) -> int:
     """List the faces that look at the camera, with the distances of their planes; returns how many.
 
-    Every other face does, in no predictable order, so each is written and counted only if it does: no branch.
+    Half of the faces do, in no predictable order. So every face is written, but counted only if it does; that needs no
+    branch.
     """
     cx, cy, cz = frame[3, 0], frame[3, 1], frame[3, 2]
     count = np.uint64(0)
@@ -160,7 +161,7 @@ def _draw_face(f: int, distance: float, whole: bool, geometry: Any, view: Any, w
 
 @inlined
 def _rows_of_corners(start: int, corners: int, window: Any, pixels: I32) -> tuple[int, int]:
-    """Rows of a face of projected corners; none where it lies between two rows or two columns of pixel centres."""
+    """Rows of a face with projected corners; none where it lies between two rows or two columns of pixel centres."""
     i = _CORNER[start]
     top, bottom, left, right = pixels[0, i], pixels[0, i], pixels[2, i], pixels[3, i]
     for k in range(np.uint64(1), corners):

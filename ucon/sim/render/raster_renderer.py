@@ -54,11 +54,11 @@ class RasterRenderer(PartlyShared):
             width: of images, pixels.
             height: of images, pixels.
             fov_deg: horizontal angle of view.
-            textured: procedural textures and shading by distance; otherwise one flat colour a face.
+            textured: procedural textures and shading by distance; otherwise one flat colour per face.
             builder: where models come from.
             sample: point of a pixel that is sampled, as fractions from its top left.
             cull: skip what is not visible; images are the same without.
-            counting_fov_deg: angle of the canonical view, in which pixels are counted; the rules' one.
+            counting_fov_deg: angle of the canonical view, in which pixels are counted, as the rules set it.
 
         Raises:
             ConfigError: size or angle out of range.

@@ -1,7 +1,7 @@
 """From the visibility buffer to colours, depth, instance numbers and pixel counts.
 
-The image is processed in runs of pixels of one face. What depends on the face is computed once a run. Within a run the
-texture coordinates (two of the three world coordinates) are linear in the pixel times its depth, so the inner loops
+The image is processed in runs of pixels of one face. What depends on the face is computed once per run. Within a run,
+the texture coordinates (two of the three world coordinates) are linear in the pixel times its depth, so the inner loops
 have no division and no branch on the material. They run over whole blocks of pixels, which compile to vector
 instructions even for short runs; what they write past the end of a run is overwritten by the next run.
 """
@@ -46,11 +46,11 @@ def resolve(
     instance: I16,
     counts: I32,
 ) -> None:
-    """Write those outputs that are not empty.
+    """Write the outputs whose arrays are not empty.
 
     Args:
         size: width and height, pixels.
-        faces: of :func:`ucon.sim.render.raster.rasterise`.
+        faces: as :func:`ucon.sim.render.raster.rasterise` writes them.
         inverse_depth: of the same.
         tables: polygons, see :class:`ucon.sim.render.tables.Tables`.
         camera: (10,) float64.
@@ -225,7 +225,7 @@ def _color_run(
 
 @inlined
 def _pack(line: U32, x0: int, x1: int, red: float, green: float, blue: float, tone: int, rows: F32) -> None:
-    """Colour times tone, as one word a pixel."""
+    """Colour times tone, as one word per pixel."""
     brightest = np.float32(255.0) / max(red, green, blue, _ONE)
     for start in range(x0, x1, BLOCK):
         for k in range(BLOCK):
@@ -237,7 +237,7 @@ def _pack(line: U32, x0: int, x1: int, red: float, green: float, blue: float, to
 
 @inlined
 def _axes_of(code: int) -> tuple[int, int]:
-    """World axes that a face's texture runs along; the second is the way of the grain."""
+    """World axes that a face's texture runs along; the second is the direction of the grain."""
     plane = code & 3
     u, v = (0, 1) if plane == 0 else (1, 2) if plane == 1 else (0, 2)
     return (v, u) if code & 4 else (u, v)
@@ -259,7 +259,7 @@ def _coordinates(u: int, v: int, x0: int, x1: int, sight: F32, rows: F32) -> Non
 
 @inlined
 def _footprint(f: int, code: int, depth: float, planes: F32, sight: F32) -> tuple[float, float]:
-    """Metres of texture that a pixel covers along both axes, for fading what is too fine to be seen."""
+    """Metres of texture that a pixel covers along both axes, for fading patterns too fine to be seen."""
     away = planes[f, 3]
     for k in range(3):
         away -= planes[f, k] * sight[3, k]

@@ -15,7 +15,7 @@ Faces = tuple[tuple[int, ...], ...]
 Solid = tuple[NDArray[np.float64], Faces]
 
 BOTTOM, TOP = 0, 1
-"""The only face of a box that is drawn of a floor (TOP) or a ceiling (BOTTOM)."""
+"""The only face of a box that is drawn for a floor (TOP) or a ceiling (BOTTOM)."""
 
 
 def _box() -> Solid:
@@ -77,7 +77,7 @@ def _tables() -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int16]
 
 
 CORNERS, SOLIDS, FACES, INDEX = _tables()
-"""Corners (n, 3); per solid first corner, corners, first face, faces; per face start in INDEX and corners; INDEX."""
+"""Corners (n, 3); per solid: first corner, corners, first face, faces; per face: start in INDEX, corners; INDEX."""
 
 MOST_CORNERS = int(SOLIDS[:, 1].max())
 MOST_FACES = int(SOLIDS[:, 3].max())

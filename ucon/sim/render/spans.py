@@ -71,10 +71,10 @@ def fill(f: int, m: int, plane: Any, rows: Any, window: Any, polygon: F32, sides
 
 @inlined
 def _cross(m: int, top: int, polygon: F32, sides: F32) -> None:
-    """Write where the edges cross the centres of the rows from ``top`` on to ``sides`` (2, 32): left and right.
+    """Write to ``sides`` (2, 32) where the left and right edges cross the centres of the rows from ``top`` on.
 
-    A row belongs to an edge if the whole part of (end + 1/2) is at most the row for the upper end, and more for the
-    lower: the same as comparing (row + 1) with the sum itself. A level edge has no rows, so its slope does not matter.
+    A row belongs to an edge if floor(upper end + 1/2) <= row < floor(lower end + 1/2). This is the same as
+    upper end + 1/2 < row + 1 <= lower end + 1/2. A level edge has no rows, so its slope does not matter.
     """
     base = np.float32(np.int32(top))
     for e in range(np.uint64(m)):

@@ -102,7 +102,7 @@ def _rotation(roll: float, pitch: float, yaw: float, turn: F64) -> None:
 
 @jit
 def _newell(vertices: F64, first: int, index: I16, start: int, corners: int, normal: F64) -> None:
-    """Unit normal of a polygon; Newell's sum also bears corners that nearly coincide."""
+    """Unit normal of a polygon; Newell's sum also works for corners that nearly coincide."""
     normal[:] = 0.0
     for corner in range(corners):
         a = first + index[start + corner]

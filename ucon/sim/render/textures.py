@@ -137,7 +137,7 @@ def _fade(cell: float, foot: float) -> float:
 def _cells(
     x0: int, x1: int, size_u: float, size_v: float, amount: float, foot_u: float, foot_v: float, rows: F32
 ) -> None:
-    """Every cell its own brightness."""
+    """A pattern of cells, each with its own brightness."""
     strength = np.float32(amount) * _fade(size_u, foot_u) * _fade(size_v, foot_v)
     if strength <= np.float32(0.004):
         return

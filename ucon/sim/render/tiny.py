@@ -37,7 +37,7 @@ _FAR_M = 80.0
 
 
 class TinyRenderer:
-    """Renders by PyBullet, several hundred times slower; see :class:`~ucon.sim.render.base.Renderer`.
+    """Renders by PyBullet, about 100 times slower; see :class:`~ucon.sim.render.base.Renderer`.
 
     Each link of an instance has one flat colour. ``close`` frees the PyBullet client.
     """
@@ -138,7 +138,7 @@ class TinyRenderer:
         self._bodies[instance] = [self._body(parts) for parts in links.values()]
 
     def _body(self, parts: list[int]) -> int:
-        """A body whose corners are given in the world, each face with corners and normal of its own."""
+        """A body whose corners are given in the world, each face with its own corners and normal."""
         tables = self.arena.tables
         corners: list[list[float]] = []
         normals: list[list[float]] = []

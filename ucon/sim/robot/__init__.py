@@ -1,1 +1,1 @@
-"""The floor as a robot meets it that moves continuously: an upright cylinder against the collision solids."""
+"""The floor for a robot that moves continuously: an upright cylinder among the collision solids."""

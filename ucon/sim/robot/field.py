@@ -1,7 +1,7 @@
-"""Lengths of the shortest paths of a disc: a grid of 5 cm, each cell joined to 16 others.
+"""Lengths of the shortest paths of a disc, on a grid of 5 cm whose cells are each joined to 16 others.
 
-A path on it is at most 2.7 % longer than the true one, and at most a cell's side longer at each end. A cell counts as
-passable where the disc fits in its centre to within 1.5 cm, so that no gap that the disc can pass is closed.
+A path on it is at most 2.7 % longer than the true one, plus at most a cell's side at each end. A cell is passable if a
+disc with a radius smaller by 1.5 cm fits at its centre, so that no gap that the disc can pass is closed.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ucon.sim.robot.floor_kernels import FloorTables, polygon_distance
 
 CELL_M: Final = 0.05
 SLACK_M: Final = 0.015
-#: Cells around a point among which its own is looked for: one that touches something may have none that is passable.
+#: Paths begin and end within this many cells of a point: its own may be impassable where the disc touches something.
 _AROUND: Final = 2
 #: The 16 neighbours, (di, dj).
 _STEPS: Final = np.array(
@@ -49,7 +49,7 @@ class PathGrid(Shared):
         Args:
             x: world metres.
             y: world metres.
-            most_m: longer ones are not looked for.
+            most_m: longer paths are not searched for.
         """
         return Field(self, _flood(self.passable, self.origin, x, y, most_m))
 
@@ -63,7 +63,7 @@ class PathGrid(Shared):
 
 
 class Field(Shared):
-    """Metres from some points to everywhere.
+    """Path lengths from a point to everywhere.
 
     Attributes:
         grid: the grid.
@@ -80,7 +80,7 @@ class Field(Shared):
 
 @jit
 def _block(floor: FloorTables, radius: float, origin: F64, passable: Flags) -> None:
-    """Clear the cells in whose centre a disc touches a footprint."""
+    """Clear the cells at whose centre a disc touches a footprint."""
     nx, ny = passable.shape
     for k in range(len(floor.rounding)):
         i0 = max(int((floor.boxes[k, 0] - radius - origin[0]) / CELL_M), 0)

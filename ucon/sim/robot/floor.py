@@ -1,6 +1,6 @@
 """The floor of a home in an episode, for a robot of a given build: compiled arrays, no PyBullet.
 
-Everything counts as closed: an opened door or drawer stands in nobody's way, as on the navigation grid.
+Everything counts as closed: an open door or drawer is no obstacle, as on the navigation grid.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Floor(Shared):
         self.tables = _tables(house, points, np.array(rounding, float))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickles hold what it is made of, and no tables."""
+        """Pickle the arguments it was built from, not the tables."""
         return Floor, self._made_of
 
     def free_way(self, x: float, y: float, dx: float, dy: float) -> float:
@@ -79,7 +79,7 @@ class Floor(Shared):
 
 
 def _of_home(house: House, bottom_m: float, top_m: float) -> Footprints:
-    """Footprints of a home; computed once a process."""
+    """Footprints of a home; computed once per process."""
     by_height = _HOMES.setdefault(house, {})
     if (bottom_m, top_m) not in by_height:
         by_height[bottom_m, top_m] = home_footprints(house.spec, bottom_m, top_m)

@@ -7,13 +7,13 @@ from typing import Final, NamedTuple
 
 from ucon.core.jit import F64, I32, jit
 
-#: Distances are exact up to this one, which is returned for all larger ones, metres.
+#: Distances are exact up to this value, which is returned for all larger ones, metres.
 HORIZON_M: Final = 0.6
 #: Side of the cells that footprints are sorted into.
 BUCKET_M: Final = 0.5
-#: A disc slides along what it touches: distances are the same to this, metres.
+#: Distances that differ by no more than this count as equal, so that a disc slides along what it touches, metres.
 TOUCH_M: Final = 1e-9
-#: Longest step between two looks at the distance where the disc is nearer to something than that, metres.
+#: Step between two distance checks where the gap to the nearest thing is smaller than this, metres.
 _CREEP_M: Final = 1e-3
 _HALVINGS: Final = 16
 
@@ -41,7 +41,7 @@ class FloorTables(NamedTuple):
 
 @jit
 def polygon_distance(x: float, y: float, points: F64, first: int, end: int) -> float:
-    """Distance from a point to a convex polygon; within it the negative distance to its border.
+    """Distance from a point to a convex polygon; inside it, minus the distance to its border.
 
     Args:
         x: of the point.
@@ -90,7 +90,7 @@ def clearance(x: float, y: float, floor: FloorTables) -> float:
 def free_way(x: float, y: float, dx: float, dy: float, radius: float, floor: FloorTables) -> float:
     """How far a disc gets along a line before it touches something.
 
-    It may always leave what it touches, and slide along it.
+    A disc that touches something may always move away from it, and slide along it.
 
     Args:
         x: of the disc's centre, world metres.

@@ -1,4 +1,4 @@
-"""Footprints: what of the collision solids a robot between two heights can touch, seen from above.
+"""Footprints: the parts of collision solids that a robot can touch between two heights, seen from above.
 
 The robot is an upright cylinder. It touches a solid where the part of the solid between its bottom and its top, laid
 flat, is within its radius. A footprint is a convex polygon with a rounding: a box gives a polygon, an upright cylinder

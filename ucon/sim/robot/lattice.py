@@ -1,6 +1,7 @@
 """Where a robot without errors can get by whole moves and turns of 60 degrees: a triangular lattice from its start.
 
-Place (a, b) is at ``start + 0.25 m (a e0 + b e1)``, where e0 is the start's heading and e1 is 60 degrees to the left.
+Place (a, b) is at ``start + move_m (a e0 + b e1)``, where e0 points along heading 0 and e1 60 degrees to its left; a
+move is 0.25 m.
 """
 
 from __future__ import annotations
@@ -19,10 +20,10 @@ from ucon.sim.robot.floor import Floor
 from ucon.sim.robot.floor_kernels import FloorTables, free_way
 
 HEADINGS: Final = 6
-#: A move counts in full moves first: no path has so many turns.
+#: Cost of a move, where a turn costs 1. Moves count first, since no path has this many turns.
 MOVE_COST: Final = 4096
 NEVER: Final = np.int32(2**30)
-#: Moves are planned with this much more room, metres, so that rounding never makes one of them touch.
+#: Moves are planned with this much extra clearance, metres, so that rounding never makes one of them touch.
 _ROOM_M: Final = 1e-6
 
 
@@ -31,9 +32,9 @@ class Lattice(Shared):
 
     Attributes:
         start: x, y in world metres.
-        yaw_deg: of the start.
+        yaw_deg: of heading 0.
         half: index of the start along both axes.
-        cost: (n, n, 6) int32: ``MOVE_COST`` a move and 1 a turn; ``NEVER`` where no path leads.
+        cost: (n, n, 6) int32: ``MOVE_COST`` per move and 1 per turn; ``NEVER`` where no path leads.
     """
 
     def __init__(
@@ -46,7 +47,7 @@ class Lattice(Shared):
             start: x, y in world metres.
             yaw_deg: of heading 0.
             move_m: length of a move.
-            heading: with which paths begin.
+            heading: at which paths begin.
         """
         self.start, self.yaw_deg, self._move_m, self._floor = start, yaw_deg, move_m, floor
         angle = np.radians(yaw_deg + 60.0 * np.arange(HEADINGS))
@@ -75,12 +76,12 @@ class Lattice(Shared):
         """A cheapest path to a place and heading.
 
         Args:
-            cost: of :meth:`costs_from`.
+            cost: as :meth:`costs_from` returns it.
             place: indices of the place.
-            heading: there.
+            heading: at the place.
 
         Returns:
-            0 for a move, 1 for a turn to the left, -1 for one to the right, in their order.
+            0 for a move, 1 for a turn to the left, -1 for one to the right, in order.
         """
         found: list[int] = []
         a, b, k = place[0], place[1], heading
@@ -96,7 +97,7 @@ class Lattice(Shared):
         return found[::-1]
 
     def _passes(self, a: int, b: int, heading: int) -> bool:
-        """Whether a move from a place goes all its way."""
+        """Whether a move from a place is free along its whole length."""
         step = self._steps[heading]
         x, y = self.xy(np.array([a, b])).tolist()
         radius_m = self._floor.radius_m + _ROOM_M

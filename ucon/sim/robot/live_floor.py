@@ -12,10 +12,10 @@ from ucon.sim.house import House
 from ucon.sim.robot.floor_kernels import HORIZON_M
 from ucon.sim.world import World
 
-#: Longest step between two looks at the distance where the robot is nearer to something than that, metres.
+#: Step between two distance checks where the gap to the nearest thing is smaller than this, metres.
 _CREEP_M: Final = 2e-3
 _HALVINGS: Final = 6
-#: What lies flush with the bottom of the robot, as a shower tray does, is not touched, metres.
+#: The robot is shortened by this at both ends: what is flush with its bottom, as a shower tray, is not touched. Metres.
 _FLUSH_M: Final = 1e-3
 
 
@@ -47,7 +47,7 @@ class LiveFloor:
     def gap(self, x: float, y: float) -> float:
         """Metres between the robot at a point and the nearest thing, at most ``HORIZON_M``; below 0 where it touches.
 
-        The distance is one in space: over a doormat it is that to the doormat.
+        The distance is measured in space: above a doormat it is the distance to the doormat.
         """
         world, centre = self._world, np.array([x, y, self._middle_m])
         world.bullet.resetBasePositionAndOrientation(

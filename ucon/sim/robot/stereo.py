@@ -1,7 +1,7 @@
-"""What a stereo depth camera makes of a true depth image: range, errors and shadows; 0 means no reading.
+"""Readings of a stereo depth camera from a true depth image: range, errors and shadows; 0 means no reading.
 
 The camera is an Intel RealSense D435: lenses 50 mm apart, a focal length of 424 pixels at 848 x 480 (90 degrees), and
-disparities that are right to 0.08 pixels, so that depth errs by z^2 0.08 / (424 x 0.05 m): 4 mm at 1 m, 6 cm at 4 m
+disparities accurate to 0.08 pixels, so that the error of depth is z^2 0.08 / (424 x 0.05 m): 4 mm at 1 m, 6 cm at 4 m
 ("Subpixel Linearity Improvement for Intel RealSense Depth Camera D400 Series", dev.intelrealsense.com; data sheet of
 the D400 series). It reads nothing nearer than 0.3 m or farther than 6 m, and nothing that one of its lenses does not
 see: a shadow to the left of whatever stands in front. Readings are whole millimetres.
@@ -30,9 +30,9 @@ _SPREAD: Final = math.sqrt((2.0**16 - 1.0) / 3.0)
 
 @merged
 def _normal(key: int, pixel: int) -> float:
-    """A draw for a pixel, nearly of the standard normal distribution: the sum of the bytes of a hash of 32 bits.
+    """A draw for a pixel, nearly standard normal: the sum of the bytes of a 32-bit hash.
 
-    The hash is the finaliser of MurmurHash3, in numbers of 64 bits, which the processor takes several at a time.
+    The hash is the finaliser of MurmurHash3, in numbers of 64 bits, of which the processor handles several at a time.
     """
     word = np.uint64(0xFFFFFFFF)
     bits = (np.uint64(key) + np.uint64(pixel) * np.uint64(0x9E3779B9)) & word

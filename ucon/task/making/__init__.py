@@ -1,1 +1,1 @@
-"""Making episodes: households of homes, placements, a user's own household, whole sets."""
+"""Making episodes: the households of homes, placements, a user's own household, and whole sets."""

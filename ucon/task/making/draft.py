@@ -19,7 +19,7 @@ class Draft:
     Attributes:
         house: the home.
         arrangement: what was removed and placed so far.
-        origins: by placed object, the entry and the index of its placement; ("", -1) for added anchors.
+        origins: for each placed object, entry id and index of its placement; ("", -1) for added anchors.
         failures: placements that failed, as text.
     """
 
@@ -63,7 +63,7 @@ def instances_of(house: House, names: Iterable[str]) -> tuple[int, ...]:
 
 
 def replacement(house: House, waiting: Sequence[str], draft: Draft) -> str | None:
-    """The next waiting category that is not placed yet and is no anchor or holder of a placed object.
+    """The next waiting category that is not placed yet and is not the anchor or holder of a placed object.
 
     Args:
         house: the home.
@@ -71,7 +71,7 @@ def replacement(house: House, waiting: Sequence[str], draft: Draft) -> str | Non
         draft: the arrangement so far.
 
     Returns:
-        None where there is none.
+        The category; None if there is none.
     """
     used = {o.anchor for o in draft.objects} | {o.holder for o in draft.objects}
     taken = {o.category for o in draft.objects} | {house.categories[k] for k in used if 0 <= k < house.n_instances}
@@ -79,7 +79,7 @@ def replacement(house: House, waiting: Sequence[str], draft: Draft) -> str | Non
 
 
 def anchor_instances(house: House, draft: Draft, category: str) -> list[int]:
-    """Instances of a category that are there: those of the home that were not removed, and those already placed."""
+    """Instances of a category in the draft: those of the home that were not removed, and those already placed."""
     removed = set(draft.arrangement.removed)
     base = [k for k, name in enumerate(house.categories) if name == category and k not in removed]
     added = [house.n_instances + k for k, o in enumerate(draft.objects) if o.category == category]
@@ -93,7 +93,7 @@ def room_of(house: House, draft: Draft, instance: int) -> int:
 
 
 def bearing_categories(house: House) -> set[str]:
-    """Categories that other items of the home stand on, and structure; they are never removed."""
+    """Categories that other items of the home stand on, and the structure; none of them is ever removed."""
     boxes, items = house.boxes[: house.n_items], house.spec.items
     bearing = {"walls", "floors", "ceilings"}
     for below, above in itertools.permutations(range(len(items)), 2):

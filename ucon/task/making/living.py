@@ -1,4 +1,4 @@
-"""The household of a home and its placements: which an episode may realise, in random order."""
+"""The household of a home, and the placements that an episode may realise, in random order."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from ucon.sim.house import House
 from ucon.sim.placement import importable
 from ucon.task.making.draft import bearing_categories
 
-#: By category that can be sampled in a home: the entries of its household.
+#: The household's entries of each category that can be sampled in a home.
 Living = Mapping[str, tuple[Hosted, ...]]
 _OUTSIDE = frozenset({"garage", "sauna"})
-#: Contexts among which one is looked for in which a placement is used.
+#: Contexts that are drawn to find one in which a given placement is used.
 _CONTEXTS_TRIED = 200
 
 
@@ -31,9 +31,9 @@ class Drawn:
 
     Attributes:
         entry: id of the entry.
-        index: of the placement in the entry.
-        relation: to the anchor.
-        anchor: its category.
+        index: index of the placement in the entry.
+        relation: relation to the anchor.
+        anchor: category of the anchor.
     """
 
     entry: str
@@ -53,8 +53,8 @@ def home_kinds(spec: HomeSpec) -> tuple[str, ...]:
 def living_in(house: House, dataset: HabitDataset, part: Split | None = None) -> dict[str, tuple[Hosted, ...]]:
     """The household of a home by category, for the categories that can be sampled there.
 
-    A category needs an entry with realisable placements; the habits of its other entries belong to the household too.
-    Categories that other items stand on are left out.
+    A category needs an entry with enough realisable placements; the habits of its other entries then belong to the
+    household too. Categories that other items stand on are left out.
 
     Args:
         house: the home.
@@ -76,7 +76,7 @@ def any_placement(living: Living, name: str, rng: np.random.Generator) -> list[D
     """All realisable placements of a category, whatever their context, in random order.
 
     Args:
-        living: the household, of :func:`living_in`.
+        living: the household, from :func:`living_in`.
         name: the category.
         rng: decides the order.
     """
@@ -87,11 +87,11 @@ def any_placement(living: Living, name: str, rng: np.random.Generator) -> list[D
 def placement_now(living: Living, name: str, context: Context, rng: np.random.Generator) -> list[Drawn]:
     """The placements of one entry of a category that hold in a context, in random order.
 
-    Placements with a fulfilled context come before those without any; those with an unfulfilled context are left out.
-    The asker's own entry is used where the category has one.
+    Placements whose context is fulfilled come before those without a context; those whose context is not fulfilled are
+    left out. The asker's own entry is used where the category has one.
 
     Args:
-        living: the household, of :func:`living_in`.
+        living: the household, from :func:`living_in`.
         name: the category.
         context: of the episode.
         rng: decides entry and order.
@@ -108,7 +108,7 @@ def placement_now(living: Living, name: str, context: Context, rng: np.random.Ge
 def placements_of(
     house: House, dataset: HabitDataset, entries: Iterable[Entry], context: Context | None
 ) -> list[Placement]:
-    """The placements among which the sampler draws for one category in a home.
+    """The placements from which the sampler draws for one category in a home.
 
     Args:
         house: the home.
@@ -139,12 +139,12 @@ def drawn_context(
     """A random context for an episode: the asker uses the target, and the occasion matters to some placement.
 
     Args:
-        living: the household, of :func:`living_in`.
+        living: the household, from :func:`living_in`.
         names: categories to be placed.
         target: the category to be found.
         rng: random numbers.
-        even: one of the placements that the asker's entry uses at some time is drawn first, and then a context in which
-            it is used; so rare conditions hold as often as frequent ones.
+        even: first draw one of the placements that the asker's entry uses in some context, then a context in which it
+            is used, so that rare conditions hold as often as frequent ones.
     """
     hosts = [host for host in living[target] if host.ok]
     host = hosts[int(rng.integers(len(hosts)))]
@@ -166,7 +166,7 @@ def drawn_context(
 
 
 def contradictory(entry: Entry) -> bool:
-    """Whether habits of an entry speak for two places that no context has both."""
+    """Whether habits of an entry support two placements that are never used in the same context."""
     told = {k for habit in entry.habits for k in habit.supports}
     conditions = [
         condition_of(place.context) for k, place in enumerate(entry.placements) if place.context and k in told

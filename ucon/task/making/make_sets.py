@@ -1,4 +1,4 @@
-"""Making and checking whole sets of episodes in several processes; the result does not depend on their number."""
+"""Makes and checks whole sets of episodes in several processes; the result does not depend on how many."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ from ucon.task.search import Search
 
 T = TypeVar("T")
 R = TypeVar("R")
-#: Added to the seed of an order that no episode could be sampled for.
+#: Added to the seed of an order for which no episode could be sampled.
 RETRY_SEED_STEP = 1 << 32
-#: Lengths that differ by less are the same, metres.
+#: Lengths that differ by less count as equal, metres.
 _SAME_M = 1e-6
 #: Largest journal that is read, bytes.
 _MAX_JOURNAL = 1 << 30
@@ -60,7 +60,7 @@ def make_episodes(
         even: see :class:`ucon.task.making.sampler.EpisodeSampler`.
         workers: processes.
         progress: called with (done, total).
-        journal: file to which episodes are appended as they are made; those of an interrupted call are not made again.
+        journal: file to which episodes are appended as they are made; a repeated call does not make them again.
 
     Returns:
         Episodes in the order of ``orders``.
@@ -82,14 +82,14 @@ def hosted_orders(
     workers: int = 2,
     left_out: Callable[[str], None],
 ) -> list[Order]:
-    """The orders whose home can hold one of their targets: a small book of one's own fits few homes.
+    """The orders whose home can hold one of their targets; a user's small habit book fits few homes.
 
     Args:
-        orders: of a set.
+        orders: the orders of a set.
         dataset: the habits.
-        limit: only the first so many; None: all.
-        context: the version whose episodes state their context.
-        workers: processes that look into homes.
+        limit: most orders to return, the first ones; None: all.
+        context: whether the episodes state their context.
+        workers: processes that check the homes.
         left_out: called with one line for each home and group of orders that is left out.
     """
     planned = list(orders)
@@ -101,7 +101,7 @@ def hosted_orders(
 def _hosted(
     orders: Iterable[Order], looked: Iterator[tuple[str, ...]], name: str, left_out: Callable[[str], None]
 ) -> Iterator[Order]:
-    """The orders that can be met; ``looked``: what each home can hold, in the order in which homes are first met."""
+    """The orders that can be met; ``looked``: what each home can hold, in the order in which homes first occur."""
     held, said = dict[tuple[str, Split | None], tuple[str, ...]](), set[str]()
     for order in orders:
         home = (order.scene, order.part)
@@ -118,7 +118,7 @@ def _hosted(
 
 @contextmanager
 def _mapping(workers: int, *begin: Any) -> Iterator[Callable[[Callable[[T], R], Iterable[T]], Iterator[R]]]:
-    """A ``map`` that works in so many processes, or in this one; each begins with ``_begin(*begin)``."""
+    """A ``map`` over that many processes, or in this one; each process begins with ``_begin(*begin)``."""
     if workers <= 1:
         _begin(*begin)
         yield map
@@ -134,7 +134,7 @@ def _collect(
     progress: Callable[[int, int], None] | None,
     journal: Path | None,
 ) -> list[Episode]:
-    """Append the results to ``done``, to the journal, and report progress."""
+    """Append the results to ``done`` and to the journal, and report progress."""
     with journal.open("a", encoding="utf-8") if journal else nullcontext() as notes:
         for episode in results:
             done.append(episode)
@@ -147,7 +147,7 @@ def _collect(
 
 
 def _noted(journal: Path, orders: Sequence[Order], habits_hash: str) -> list[Episode]:
-    """The episodes of the first orders that a journal holds; the rest of the journal is removed."""
+    """The leading episodes of a journal that match the orders; the rest of the journal is removed."""
     found: list[Episode] = []
     raw = read_plain(journal, _MAX_JOURNAL) if journal.is_file() else b""
     for order, line in zip(orders, raw[: raw.rfind(b"\n") + 1].split(b"\n"), strict=False):
@@ -173,7 +173,7 @@ _sampler: EpisodeSampler | None = None
 
 
 def _targets(home: tuple[str, Split | None]) -> tuple[str, ...]:
-    """Categories that an episode can place in a home, of (its name, the part of its household)."""
+    """Categories that an episode can place in a home, given as (name, part of its household)."""
     if _sampler is None:
         raise RuntimeError("a worker without a sampler")
     return _sampler.target_categories(*home)
@@ -196,7 +196,7 @@ def _sample(order: Order) -> Episode:
 
 
 def verify_episode(episode: Episode) -> str:
-    """Walk an episode's stored solution.
+    """Execute an episode's stored solution.
 
     Returns:
         "" if it succeeds with the stored path length, else what is wrong.
@@ -217,7 +217,7 @@ def verify_episode(episode: Episode) -> str:
 
 
 def _walk(search: Search, episode: Episode, max_steps: int) -> str:
-    """Walk the solution; "" or what is wrong."""
+    """Execute the solution; "" or what is wrong."""
     moved_m, least_m = 0.0, search.metres_to_near(search.target)
     if len(episode.solution) > max_steps:
         return f"the solution has {len(episode.solution)} steps, expected at most {max_steps}"
@@ -235,11 +235,11 @@ def _walk(search: Search, episode: Episode, max_steps: int) -> str:
 
 
 def _wrong_length(walked_m: float, least_m: float, episode: Episode, rules: TaskRules) -> str:
-    """Whether the recorded shortest path may be one; "" or what is wrong.
+    """Check the recorded length of the shortest path; "" or what is wrong.
 
     Args:
-        walked_m: length of the solution, which is the shortest on the grid.
-        least_m: metres from the start to within reach of the target, as the crow flies.
+        walked_m: length of the solution, which on the grid is a shortest one.
+        least_m: straight-line metres from the start to within reach of the target.
         episode: has the recorded length.
         rules: of the episode.
     """

@@ -1,4 +1,4 @@
-"""A user's own household in a home: an object, sentences about it, and where it is kept."""
+"""A user's own household in a home: an object, habit sentences about it, and where it is kept."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ from ucon.task.spoken import spoken_place
 #: Name of the user's household, and of its dataset.
 HOUSEHOLD: Final = "you"
 NAME: Final = "own"
-#: Most places that are tried, the most probable by the habits first.
+#: Most places that are tried, those most probable given the habits first.
 _TRIED: Final = 12
-#: From a target and its habits: names of A anchors, and the joint probability (A, 4) of anchor and relation.
+#: Maps a target and its habits to the names of A anchors and the joint probability (A, 4) of anchor and relation.
 ReadPlaces = Callable[[str, Sequence[str]], tuple[Sequence[str], NDArray[np.float64]]]
 
 
 class FaultsError(UconError):
-    """All faults of a request, one line each; ``faults`` has them as a tuple."""
+    """All faults of a request, one per line; ``faults`` has them as a tuple."""
 
     def __init__(self, faults: Sequence[str]) -> None:
         super().__init__("\n".join(faults))
@@ -49,8 +49,8 @@ class OwnPlacement:
     Attributes:
         scene: name of the home.
         target: category of the object.
-        habits: sentences about it.
-        place: where it is kept; None: where the habits say.
+        habits: sentences about the object.
+        place: where the object is kept; None: where the habits say.
     """
 
     scene: str
@@ -60,16 +60,16 @@ class OwnPlacement:
 
     @classmethod
     def of(cls, scene: str, target: str, habits: Sequence[str], place: str | None) -> OwnPlacement:
-        """Check the arguments of a command line.
+        """Make a request from the arguments of a command line, and check them.
 
         Args:
             scene: name of a home.
             target: category of the object.
-            habits: sentences about it.
+            habits: sentences about the object.
             place: ``relation:anchor``, or None.
 
         Raises:
-            FaultsError: with all faults.
+            FaultsError: lists all faults.
         """
         faults = list(_scene_faults(scene))
         if target not in catalogue():
@@ -91,7 +91,7 @@ class OwnPlacement:
 
 
 def _scene_faults(scene: str) -> Iterable[str]:
-    """The fault of a scene's name, if any."""
+    """The fault in a scene's name, if any."""
     try:
         check_home_name(scene)
     except UconError as error:
@@ -99,7 +99,7 @@ def _scene_faults(scene: str) -> Iterable[str]:
 
 
 def _placement(text: str) -> Placement | str:
-    """The placement of ``relation:anchor``, or what is wrong with the text."""
+    """The placement that ``relation:anchor`` names, or what is wrong with the text."""
     relation, colon, anchor = text.partition(":")
     if not colon:
         return f"expected RELATION:ANCHOR, as in nextto:laptop; relations are {', '.join(RELATIONS)}"
@@ -119,11 +119,11 @@ def others_of(scene: str, targets: Collection[str]) -> list[Entry]:
 
 
 def own_household(wishes: Mapping[OwnPlacement, Placement], others: Sequence[Entry]) -> HabitDataset:
-    """Requests as entries of a dataset, with the household's other entries.
+    """A dataset of the requests as entries, with the household's other entries.
 
     Args:
         wishes: the requests, and where each object is kept.
-        others: entries of :func:`others_of`.
+        others: entries from :func:`others_of`.
     """
     own = tuple(
         Entry(own_entry(wish.target), wish.target, HOUSEHOLD, (place,), _telling(wish.habits))
@@ -133,7 +133,7 @@ def own_household(wishes: Mapping[OwnPlacement, Placement], others: Sequence[Ent
     triples: set[Triple] = {(e.category, p.relation, p.anchor) for e in entries for p in e.placements}
     known = {triple: verdict for triple, verdict in book().verdicts.of.items() if triple in triples}
     for wish, place in wishes.items():
-        known.pop((wish.target, place.relation, place.anchor), None)  # it is tried here
+        known.pop((wish.target, place.relation, place.anchor), None)  # tried here instead
     return HabitDataset(NAME, entries, verdicts=Verdicts(known))
 
 
@@ -150,7 +150,7 @@ def likely_places(wish: OwnPlacement, read: ReadPlaces) -> list[tuple[Placement,
     """Places for the object in the home, the most probable first.
 
     Args:
-        wish: the request; a place named in it is the only one.
+        wish: the request; if it names a place, this is the only one.
         read: reads the habits.
 
     Returns:
@@ -173,19 +173,19 @@ def likely_places(wish: OwnPlacement, read: ReadPlaces) -> list[tuple[Placement,
 def own_episode(
     wish: OwnPlacement, read: ReadPlaces, seed: int = 0, rules: TaskRules = PAPER
 ) -> tuple[Episode, HabitDataset, Placement, float]:
-    """Make an episode of a request; places are tried by falling probability.
+    """Make an episode from a request; places are tried in order of decreasing probability.
 
     Args:
         wish: the request.
         read: reads the habits.
         seed: of the episode.
-        rules: rule set under which it must be solvable.
+        rules: rule set under which the episode must be solvable.
 
     Returns:
-        The episode, the dataset it belongs to, the place, and the place's probability by the habits.
+        The episode, the dataset it belongs to, the place, and the place's probability given the habits.
 
     Raises:
-        ConfigError: the object can be put in no place, or not be found there.
+        ConfigError: the object can be put in none of the places, or cannot be found there.
     """
     reasons, others = [], others_of(wish.scene, [wish.target])
     for place, chance in likely_places(wish, read):

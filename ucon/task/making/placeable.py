@@ -1,8 +1,8 @@
 """Which placements of an imported dataset can be realised in the homes, and why the others cannot.
 
-Where the placements were really tried, the recorded verdicts decide. Otherwise shapes decide: a placement can be
-realised if its anchor is in the entry's home or can be added, and the shapes allow the relation. That does not simulate
-anything: a home may still be too full when an episode is sampled.
+Where the placements were tried in simulation, the recorded verdicts decide. Otherwise shapes decide: a placement can be
+realised if its anchor is in the entry's home or can be added, and the shapes allow the relation. Nothing is simulated
+then, so a home may still turn out to be too full when an episode is sampled.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ def counted(located: Sequence[Located], rest: Iterable[Unplaced]) -> dict[str, i
 
 
 def refusal(scene: str, triple: Triple) -> str | None:
-    """Why a home cannot realise a placement, by shapes; None where it can.
+    """Key of the reason why a home cannot realise a placement, by shapes; None where it can.
 
     Args:
         scene: name of the home.
@@ -129,7 +129,7 @@ def _by_shape(scene: str, triple: Triple) -> tuple[str, str] | None:
         sizes = _sizes(scene).get(anchor, ())
     except (ConfigError, SceneError) as error:
         return ABSENT, str(error)
-    # Without the anchor in the home, its usual size still tells implausible placements from those lacking an anchor.
+    # If the home lacks the anchor, its usual size still tells implausible placements from those lacking an anchor.
     refusals = [implausible(category, cast(Relation, relation), anchor, size) for size in sizes or (None,)]
     if all(refusals):
         return next(refusal for refusal in refusals if refusal)
@@ -140,7 +140,7 @@ def _by_shape(scene: str, triple: Triple) -> tuple[str, str] | None:
 
 @lru_cache(maxsize=len(SCENES))
 def _sizes(scene: str) -> _Sizes:
-    """Sizes in which each category stands in a home; structure has none."""
+    """Sizes of each category's items in a home; structure has no size (None)."""
     house = load_house(scene)
     found: dict[str, dict[Vec3 | None, None]] = {name: {None: None} for name in STRUCTURE}
     for item in house.spec.items:

@@ -1,4 +1,4 @@
-"""The household of a home for reading: what can be realised there, and the reason where it cannot."""
+"""The household of a home, for display: which placements can be realised there, and why others cannot."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Resident:
     hosts: tuple[Hosted, ...]
     """The entries, with their realisable placements."""
     notes: Mapping[tuple[str, int], str]
-    """By entry and placement index: why it cannot be realised, or :data:`IMPORTED`; no key where nothing is amiss."""
+    """By entry id and placement index: why it cannot be realised, or :data:`IMPORTED`; no key where all is well."""
     refusal: str | None
     """Why the category is never a target here; None where it may be one."""
 
@@ -39,7 +39,7 @@ def residents(house: House, dataset: HabitDataset, seed: int = 0) -> list[Reside
     Args:
         house: the home.
         dataset: the habits.
-        seed: of the household; 0 is the one that episodes use.
+        seed: of the household; episodes use 0.
     """
     present, never = frozenset(house.categories), bearing_categories(house)
     home = house.spec.name

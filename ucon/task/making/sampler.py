@@ -1,6 +1,6 @@
 """Sampling episodes: draw categories, put one object of each where a habit says, choose a target and a start.
 
-Needs PyBullet (placements settle in it); replaying a stored episode does not.
+Sampling needs PyBullet, in which placed objects settle; replaying a stored episode does not.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from ucon.task.making.living import Drawn, Living, any_placement, drawn_context,
 from ucon.task.making.starts import drawn_start
 from ucon.task.rules import PAPER, TaskRules
 
-#: What is said of a category's place beside relation and anchor.
+#: What a user states about an object's place besides relation and anchor, by category, relation and anchor.
 Spots = Mapping[tuple[str, Relation, str], Spot]
 
 
@@ -53,8 +53,8 @@ class EpisodeSampler:
             k: number of categories that an episode places.
             rules: rule set under which the episode must be solvable.
             context: whether episodes state day, hour, season, occasion and asker, and placements follow them.
-            spots: by category, relation and anchor; what is missing may be anywhere.
-            even: contexts are drawn so that each place of the target is used equally often, however rare its condition.
+            spots: the spots of some placements; other objects may be anywhere that fits their relation and anchor.
+            even: draw contexts so that each place of the target is used equally often, however rare its condition.
         """
         self.dataset, self.k, self.rules, self.context, self.even = dataset, k, rules, context, even
         self.spots: Spots = spots or {}
@@ -71,7 +71,7 @@ class EpisodeSampler:
         split: str = "",
         episode_id: str = "",
     ) -> Episode:
-        """Sample one episode; the same for the same arguments.
+        """Sample one episode; the same arguments give the same episode.
 
         Args:
             scene: name of a home.
@@ -82,7 +82,7 @@ class EpisodeSampler:
             episode_id: label to store; default ``scene/seed``.
 
         Raises:
-            EpisodeError: nothing can be placed or found there.
+            EpisodeError: nothing can be placed or found in this home.
         """
         house = load_house(scene)
         living = self._household(house, part)
@@ -103,11 +103,11 @@ class EpisodeSampler:
         Args:
             scene: name of a home.
             seed: any integer.
-            targets: categories.
+            targets: categories to be found.
 
         Returns:
-            The episodes in the order of their targets, with ids ``scene/target/seed``; and placements that failed, as
-            text.
+            The episodes in the order of their targets, with ids ``scene/target/seed``; and the placements that failed,
+            as text.
         """
         house = load_house(scene)
         living = self._household(house, None)
@@ -215,7 +215,7 @@ class EpisodeSampler:
     def _place_one(
         self, house: House, name: str, options: list[Drawn], draft: Draft, chosen: set[str], rng: np.random.Generator
     ) -> bool:
-        """Place an object by the first of its placements that works; whether one did."""
+        """Place an object by the first of its placements that works, and return whether one did."""
         for drawn in options:
             if drawn.anchor == name:
                 continue

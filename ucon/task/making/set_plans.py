@@ -1,16 +1,17 @@
 """The fixed sets: home, seed and target categories of every episode of a named set.
 
-``test``: 250 episodes in each of seen / unseen category x seen / unseen scene, all households new; ``val`` 400 and
-``mini`` 50 on homes and categories of their own. ``test_large``: 2,000 more episodes like those of ``test``, for
-differences too small for 1,000. Seen scenes are the canonical layouts of the 20 official training scenes; unseen ones
-are the two official test scenes and generated homes from a reserved range of seeds.
+``test``: 250 episodes in each of seen / unseen category x seen / unseen scene, all households new. ``test_large``:
+2,000 more episodes like those of ``test``, for differences too small to show in 1,000. Seen scenes are the canonical
+layouts of the 20 official training scenes; unseen ones are the two official test scenes and generated homes from a
+reserved range of seeds. ``val`` has 400 episodes and ``mini`` 50: their target categories are in neither ``train`` nor
+``test``, and half of their episodes are in the seen scenes, half in generated homes kept for them.
 
-``test_context`` (1,000 episodes on the homes of ``test``) and ``val_context`` (200 on those of ``val``): their targets
-are the things of the book's second part (:func:`ucon.habits.book.contexts_book`), whose habits contradict each other by
-context, and each episode states its context.
+``test_context`` has 1,000 episodes in the homes of ``test``, ``val_context`` 200 in those of ``val``. Their targets are
+the objects of the book's second part (:func:`ucon.habits.book.contexts_book`), whose habits name different places in
+different contexts, and each episode states its context.
 
 ``train``: 4,000 episodes to learn from, in 800 homes that no other set uses (other furnishings of the seen scenes, and
-generated homes), with targets and households of the ``train`` part alone.
+generated homes), with targets and households from the ``train`` part alone.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from ucon.task.making.sampler import EpisodeSampler
 from ucon.task.rules import PAPER
 from ucon.task.sets import set_name
 
-#: By test set: episodes in each cell, and generated homes.
+#: For each test set: number of episodes in each cell, and number of generated homes.
 TEST_SETS = {"test": (250, 20), "test_large": (500, 40)}
 #: Sets whose episodes all state a context, and the sets whose homes they use.
 CONTEXT_SETS = {"test_context": "test", "val_context": "val"}
@@ -38,9 +39,9 @@ TRAIN = "train"
 #: Of ``train``: episodes in each of two cells, other furnishings of each seen scene, generated homes, their first seed.
 N_TRAIN, N_VARIANTS, N_GENERATED, TRAIN_SEED = 2000, 20, 400, 100_000
 OFFICIAL, N_OFFICIAL = "official", 2000
-#: Labels of official episodes. Held out are (scene, category) pairs that are never trained on.
+#: Labels of official episodes. Held-out (scene, category) pairs are never trained on.
 LEARNED, HELD_OUT = "official/learned", "official/held_out"
-#: The set of held-out pairs alone.
+#: The set that has held-out pairs only.
 OFFICIAL_HELD_OUT, N_HELD_OUT = "official_held_out", 1000
 OFFICIAL_SETS = {OFFICIAL: N_OFFICIAL, OFFICIAL_HELD_OUT: N_HELD_OUT}
 #: Least number of held-out categories of a scene; with fewer, its episodes would be too much alike.
@@ -55,7 +56,7 @@ class Cell:
     Attributes:
         label: name of the group.
         category_split: targets are of this part of the categories.
-        part: the household is drawn from the entries of :data:`ucon.habits.splits.PARTS_USED`.
+        part: draw the household from the entries that this part may use (:data:`ucon.habits.splits.PARTS_USED`).
         scenes: names of homes, used in turn.
         count: number of episodes.
     """
@@ -92,7 +93,7 @@ def set_cells(name: str) -> tuple[Cell, ...]:
     """The groups of a named set.
 
     Raises:
-        ConfigError: no such set, or an official one, which has none.
+        ConfigError: no such set, or an official set, which has no groups.
     """
     seen = tuple(scene for scene in SCENES if scene_split(scene) == "seen")
     if name == "val_context":
@@ -145,16 +146,15 @@ def set_orders(
 ) -> Iterator[Order]:
     """What to sample for every episode of a named set.
 
-    Scenes are used in turn. Scenes and seeds are the same under all rules, so that the sets of two rule sets differ by
-    the rules alone. The ``official`` sets need a dataset whose entries are bound to scenes, such as the official
-    release.
+    Scenes are used in turn. Scenes and seeds are the same under all rules, so that the versions of a set differ only in
+    their rules. The ``official`` sets need a dataset whose entries are bound to scenes, such as the official release.
 
     Args:
         name: of the set.
         dataset: the habits.
         task: rule set.
-        context: the version whose episodes state their context.
-        left_out: called with one line for each scene that is no home or where no category can be placed.
+        context: whether the episodes state their context.
+        left_out: called with one line for each scene that is not a home or where no category can be placed.
 
     Raises:
         ConfigError: no such set, or the dataset does not suit it.
@@ -172,7 +172,7 @@ def set_orders(
 
 
 def _targets(name: str, dataset: HabitDataset) -> Sequence[str]:
-    """Categories that a set looks for: all of the dataset's, or those whose habits contradict each other.
+    """Target categories of a set: all of the dataset's, or those whose habits contradict each other.
 
     Raises:
         ConfigError: the set needs contradictory habits, and the dataset has no entries with parts of their own.

@@ -17,7 +17,7 @@ from ucon.task.rules import TaskRules
 from ucon.task.search import Eyes, Pose
 from ucon.task.solve import Solution, Solver
 
-#: Least path length from the start to success where the home allows it, metres.
+#: Least path length from the start to success, where the home allows it, metres.
 MIN_START_M: Final = 2.0
 #: Starts that are tried for each least path length.
 _TRIES: Final = 4
@@ -36,11 +36,11 @@ class SolvedStart:
 def drawn_start(
     world: SceneState, eyes: Eyes, target: int, rules: TaskRules, rng: np.random.Generator
 ) -> SolvedStart | None:
-    """A random start at least 2 m of path from success (where there is one); None where there is no solution.
+    """A random start, if possible at least 2 m of path from success; None where there is no solution.
 
     Args:
         world: the home and what was placed in it.
-        eyes: a renderer loaded with it, that counts pixels in the rules' view.
+        eyes: a renderer with this world loaded that counts pixels in the rules' view.
         target: instance of the target.
         rules: the rule set.
         rng: draws the start.
@@ -65,7 +65,7 @@ def drawn_start(
 def _robot_start(
     world: SceneState, eyes: Eyes, target: int, rules: TaskRules, rng: np.random.Generator
 ) -> SolvedStart | None:
-    """As :func:`drawn_start`, for a robot that moves continuously; it starts on a node of the grid."""
+    """Like :func:`drawn_start`, for a robot that moves continuously; it starts on a node of the grid."""
     solver = RobotSolver(world, eyes, target, rules, floor_of(world, RobotRig.exact()))
     if not solver.findable:
         return None

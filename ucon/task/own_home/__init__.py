@@ -1,1 +1,1 @@
-"""Homes of one's own: a file describes rooms, furniture, habits and requests, and is turned into episodes."""
+"""A user's own homes: a file describes rooms, furniture, habits and requests, and is turned into episodes."""

@@ -1,4 +1,4 @@
-"""Builds a home of one's own: rooms and doors as they are said, everything else drawn as in generated homes."""
+"""Builds a user's own home: rooms and doors as its file describes them, the rest drawn as in generated homes."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from ucon.task.own_home.wish import Door, OwnHome, OwnRoom, Thing
 
 _WALL_HEIGHT_M: Final = 2.5
 _FIXTURES: Final = ("window", "electric_switch", *LIGHTS)
-#: By how much a room is enlarged to find out whether a thing fits then, metres.
+#: By how much a room is enlarged to find out whether the furniture then fits, metres.
 _ENLARGED_M: Final = (0.5, 1.0, 1.5, 2.0, 3.0)
 
 
 @dataclass(frozen=True)
 class Unplaced:
-    """Furniture that found no place.
+    """Furniture of the home file that could not be placed.
 
     Attributes:
-        room: as its owner calls it.
-        category: of the things.
-        wanted: their number.
-        placed: how many of them stand there.
+        room: name of the room in the home file.
+        category: category of the furniture.
+        wanted: how many pieces the file asks for.
+        placed: how many of them were placed.
         where: file and line.
-        nearest: what can be built instead, in words; "" where it was not asked for.
+        nearest: what can be built instead, in words; "" if this was not asked for.
     """
 
     room: str
@@ -54,10 +54,10 @@ class Unplaced:
 
 
 def program_of_home(wish: OwnHome) -> tuple[HomeProgram, dict[str, str]]:
-    """The program of a home, and its owner's names of the rooms by those of the program.
+    """The program of a home, and a dictionary from the program's room names to those of the home file.
 
     Args:
-        wish: what is said of it.
+        wish: the home as its file describes it.
     """
     if not wish.rooms:
         program = procedural_program(wish.kind, wish.seed)
@@ -78,17 +78,17 @@ def program_of_home(wish: OwnHome) -> tuple[HomeProgram, dict[str, str]]:
 
 
 def build(wish: OwnHome) -> tuple[str, House]:
-    """Build a home, or load it where it is kept.
+    """Build a home, or load it if it was built before.
 
     Args:
-        wish: what is said of it.
+        wish: the home as its file describes it.
 
     Returns:
-        Its name, and the home.
+        The home's name, and the home.
 
     Raises:
-        SceneError: it cannot be built.
-        DataError: it has to be built, and PyBullet is missing.
+        SceneError: the home cannot be built.
+        DataError: the home has to be built, and PyBullet is missing.
     """
     name = home_name(wish)
     try:
@@ -102,20 +102,20 @@ def build(wish: OwnHome) -> tuple[str, House]:
 
 
 def home_name(wish: OwnHome) -> str:
-    """The name of a home, whose program is kept for :func:`ucon.sim.cache.load_house`.
+    """The name of a home; its program is stored for :func:`ucon.sim.cache.load_house`.
 
     Args:
-        wish: what is said of it.
+        wish: the home as its file describes it.
     """
     return wish.called if wish.known else keep_program(wish.called, program_of_home(wish)[0], wish.seed)
 
 
 def rooms_by_name(wish: OwnHome, house: House) -> dict[str, str]:
-    """What the rooms of a home are called, by their names in it.
+    """Names of the rooms in the home file, by their names in the built home.
 
     Args:
-        wish: what is said of the home.
-        house: what was built.
+        wish: the home as its file describes it.
+        house: the home as built.
     """
     called = {} if wish.known else program_of_home(wish)[1]
     legs = {room.name: room.name.removesuffix("_b") for room in house.spec.rooms}  # a folded corridor has a second leg
@@ -123,12 +123,12 @@ def rooms_by_name(wish: OwnHome, house: House) -> dict[str, str]:
 
 
 def unplaced(wish: OwnHome, house: House, *, nearest: bool = True) -> list[Unplaced]:
-    """Furniture that was said and stands nowhere, with the nearest that can be built.
+    """Furniture of the home file that could not be placed, with the nearest that can be built.
 
     Args:
-        wish: what is said of the home.
-        house: what was built.
-        nearest: False: leave out what can be built instead, for which the home is built up to five times a category.
+        wish: the home as its file describes it.
+        house: the home as built.
+        nearest: whether to find out what can be built instead, which builds the home up to five times per category.
     """
     if wish.known or not wish.rooms:
         return []
@@ -151,7 +151,7 @@ def unplaced(wish: OwnHome, house: House, *, nearest: bool = True) -> list[Unpla
 
 
 def _hub(wish: OwnHome, by_call: dict[str, str]) -> str:
-    """The room that the others are reached from: the one with most doors, else a corridor, living room or the first."""
+    """The room from which the others are reached: that with most doors, else a corridor, a living room or the first."""
     doors = [room for door in wish.doors or () for room in (door.first, door.second)]
     order = {"corridor": 0, "living_room": 1, "shared_office": 1, "lobby": 1, "grocery_store": 1}
     best = min(wish.rooms, key=lambda room: (-doors.count(room.called), order.get(room.type, 2)))
@@ -161,7 +161,7 @@ def _hub(wish: OwnHome, by_call: dict[str, str]) -> str:
 def _edges(
     doors: Sequence[Door] | None, by_call: dict[str, str], types: dict[str, str], hub: str, kind: str
 ) -> list[tuple[str, str, str]]:
-    """(room nearer the hub, room, kind of opening), parents before children."""
+    """Openings as (room nearer the hub, room, kind of opening), parents before children."""
     if doors is None:
         return joined(list(types), list(types.values()), hub, kind)
     left = [(by_call[door.first], by_call[door.second], door.joint) for door in doors]
@@ -194,7 +194,7 @@ def _room(room: OwnRoom, name: str, wish: OwnHome, edges: Sequence[tuple[str, st
 
 
 def _nearest(wish: OwnHome, program: HomeProgram, room: str, category: str, thing: Thing, placed: int) -> str:
-    """What can be built in place of furniture that found no place: a larger room, or fewer things."""
+    """What can be built instead if furniture does not fit: a larger room, or fewer pieces."""
     for size in _larger(next(one.size_m for one in program.rooms if one.name == room)):
         rooms = tuple(replace(one, size_m=size) if one.name == room else one for one in program.rooms)
         larger = replace(program, rooms=rooms)

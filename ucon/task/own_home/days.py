@@ -1,6 +1,6 @@
-"""Searches of a home whose habits are its owner's alone: on each day all things are where they say, and asked for.
+"""Searches of a home that has only the home file's own habits: each day all its things are placed where these say.
 
-The paper's robot searched real homes so: hand-made habits, and things put where these say.
+This is how the paper's robot searched real homes: with hand-made habits, and things put where these say.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from ucon.task.own_home.reading import raise_in_order
 from ucon.task.own_home.wish import OwnHome, Request
 from ucon.task.rules import TaskRules
 
-#: Days that are tried for each that is wanted.
+#: Days that are tried for each day wanted.
 _DAYS_A_START: Final = 3
-#: The first features of a match say that a whole name or synonym is there, the others that words of it are.
+#: Number of leading features of a match that stand for a whole name or synonym; the others stand for parts of one.
 _WHOLE_NAMES: Final = 2
 
 
@@ -38,22 +38,22 @@ def placed_in_days(
     seed: int = 0,
     faults: Faults | None = None,
 ) -> tuple[tuple[Placed, ...], HabitDataset]:
-    """Place all things of a home, once a day, and search each request on ``starts`` days.
+    """Place all things of a home afresh on each day, and search each request on ``starts`` days.
 
     Args:
-        wish: the home.
+        wish: the home as its file describes it.
         name: its name.
-        house: what was built.
+        house: the home as built.
         read: reads the habits.
         rules: rule set under which the episodes must be solvable.
         seed: of the first day.
-        faults: that were found before; they are told, too.
+        faults: faults found before, which are reported too.
 
     Returns:
-        The requests in their order, and the habits that all their episodes belong to.
+        The requests in their order, and the habits that all their episodes use.
 
     Raises:
-        DataError: something cannot be placed or found; one line for each.
+        DataError: things cannot be placed or found; one line for each.
     """
     faults, spots = faults or Faults(), spots_of(wish, house)
     kept = {one.target: one for one in (*wish.requests, *wish.things)}
@@ -81,7 +81,7 @@ def placed_in_days(
 def _search(
     sampler: EpisodeSampler, name: str, targets: Sequence[str], starts: int, seed: int
 ) -> tuple[dict[str, list[Episode]], list[str]]:
-    """Episodes by target, and what could not be placed. A target that is not found on a day is asked for on another."""
+    """Episodes by target, and failed placements. A target that cannot be found on one day is searched on another."""
     found: dict[str, list[Episode]] = {target: [] for target in targets}
     failed: list[str] = []
     for day in range(seed, seed + _DAYS_A_START * starts):
@@ -104,7 +104,7 @@ def _places(
     spots: Spots,
     faults: Faults,
 ) -> tuple[list[Placement], float | None]:
-    """Where a thing is kept, and how likely the habits make it where they decide; what cannot be is a fault."""
+    """Where a thing is kept, and if the habits decide, how likely they make it; an impossible place is a fault."""
     asked = as_asked(one, name)
     said = [place.placement for place in one.places]
     reasons = []
@@ -123,7 +123,7 @@ def _places(
 
 
 def _entry(one: Request, places: Sequence[Placement]) -> Entry:
-    """A thing's sentences and places. Of several places a sentence supports those whose anchor it names."""
+    """The entry for a thing's sentences and places. If several, a sentence supports those whose anchor it names."""
     lexicon = Lexicon(place.anchor for place in places)
     habits = []
     for habit in one.habits:

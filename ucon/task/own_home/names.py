@@ -1,4 +1,4 @@
-"""What people call things, rooms and places, as the names that are built with."""
+"""Translates what people call things, rooms and places into the names used here."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ucon.objects.catalogue import catalogue
 from ucon.objects.model import RELATIONS, Relation
 from ucon.scenes.room_types import SIZES_M
 
-#: Types of room that can be furnished by a seed.
+#: Types of room that can be furnished at random.
 ROOM_TYPES: Final = (*SIZES_M, "corridor")
 _ROOM_WORDS: Final = {
     "bath": "bathroom", "wc": "bathroom", "toilet": "bathroom", "shower_room": "bathroom",
@@ -44,7 +44,7 @@ def snake(words: str) -> str:
 
 
 def category_of(words: str) -> str | None:
-    """The category that words name: by its name, in the plural, or by a synonym that no other category has.
+    """The category that words name: by its name, its plural, or a synonym that no other category has.
 
     Args:
         words: such as ``top cabinets`` or ``dining table``.
@@ -67,7 +67,7 @@ def category_fault(kind: str, words: str) -> str:
 
 @cache
 def _by_stems() -> dict[tuple[str, ...], str]:
-    """Categories by the stems of their names and of their synonyms; a name goes before a synonym."""
+    """Categories by the stems of their names and of their synonyms; a name takes precedence over a synonym."""
     found: dict[tuple[str, ...], str | None] = {}
     for category, names in synonyms().items():
         if category in catalogue():
@@ -78,7 +78,7 @@ def _by_stems() -> dict[tuple[str, ...], str]:
 
 
 def room_type_of(words: str) -> str | None:
-    """The type of a room by what it is called: ``bedroom 2``, ``Anna's bedroom`` and ``guest_bedroom`` are bedrooms."""
+    """The type of a room, from its name: ``bedroom 2``, ``Anna's bedroom`` and ``guest_bedroom`` are bedrooms."""
     parts = [part for part in snake(words).split("_") if not part.isdigit()]
     for start in range(len(parts)):
         name = "_".join(parts[start:])
@@ -96,7 +96,7 @@ def room_type_fault(words: str) -> str:
 
 
 def place_of(words: str) -> Placement | str:
-    """A placement in English: ``in the top cabinet``, ``on the floor``, ``next to my laptop``, or ``nextto:laptop``.
+    """Parse a placement: ``in the top cabinet``, ``on the floor``, ``next to my laptop``, or ``nextto:laptop``.
 
     Returns:
         The placement, or what is wrong with the words.

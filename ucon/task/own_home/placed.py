@@ -1,4 +1,4 @@
-"""What every way of placing requests shares: the result, what is said of places, and whether a place can be."""
+"""Shared by both ways of placing requests: the result, the spots of places, and whether a place is possible."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Placed:
     Attributes:
         request: what was asked for.
         place: where the thing is kept; the first of several places.
-        chance: probability of this place by the habits; None where the place was said.
+        chance: probability of this place given the habits; None if the home file names the place.
         episodes: one for each start.
     """
 
@@ -38,21 +38,21 @@ class Placed:
 
 
 def as_asked(request: Request, name: str) -> OwnPlacement:
-    """A request as one of a user's own household.
+    """Convert a request to one of a user's own household.
 
     Args:
         request: the request.
-        name: of the home.
+        name: name of the home.
     """
     return OwnPlacement(name, request.target, tuple(one.text for one in request.habits), request.place)
 
 
 def spots_of(wish: OwnHome, house: House) -> Spots:
-    """What is said of places beside relation and anchor.
+    """What the home file states about places besides relation and anchor.
 
     Args:
-        wish: the home.
-        house: what was built.
+        wish: the home as its file describes it.
+        house: the home as built.
     """
     numbers = {room.name: number for number, room in enumerate(house.spec.rooms)}
     by_call = {called: numbers[name] for name, called in reversed(rooms_by_name(wish, house).items())}
@@ -71,7 +71,7 @@ def refusal(house: House, target: str, there: Placement, spot: Spot = ANYWHERE) 
         house: the home.
         target: category of the thing.
         there: relation and anchor.
-        spot: what is said beside.
+        spot: what else is stated about the place.
     """
     bare = Arrangement(removed=instances_of(house, [target]))
     anchors = [k for k, one in enumerate(house.categories) if one == there.anchor and k not in bare.removed]
@@ -94,13 +94,13 @@ def refusal(house: House, target: str, there: Placement, spot: Spot = ANYWHERE) 
 
 
 def of_all(episodes: Sequence[Episode], own: Sequence[str], dataset: HabitDataset) -> tuple[Episode, ...]:
-    """Episodes that belong to the habits of all requests: every sentence of the owner is known in each.
+    """Give episodes the habits of all requests, so that each knowledge base has every sentence of the home file.
 
-    Their ids end in a hash of what they are, so that a changed file is seen to have other episodes.
+    Their ids end in a hash of their content, so that a changed file visibly gives other episodes.
 
     Args:
-        episodes: of one request.
-        own: ids of the owner's entries.
+        episodes: the episodes of one request.
+        own: ids of the entries from the home file.
         dataset: all habits.
     """
     whole = [

@@ -1,4 +1,4 @@
-"""Places as people say them: on the shelf in the study, at the foot of the bed, behind the laptop."""
+"""Places in everyday English: on the shelf in the study, at the foot of the bed, behind the laptop."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ucon.task.own_home.wish import Place
 from ucon.task.spoken import spoken_place
 
 _FACING: Final = re.compile(r",? facing its front$")
-#: Words before the anchor, the relation they stand for, and the side.
+#: Words before the anchor, the plain relation they stand for, and the side of the anchor.
 _SIDES: Final[tuple[tuple[str, str, Side], ...]] = (
     (r"(?:at|on) the foot(?: end)? of", "on", "front"),
     (r"(?:at|on) the head(?: end)? of", "on", "behind"),
@@ -29,11 +29,11 @@ _SIDES: Final[tuple[tuple[str, str, Side], ...]] = (
 
 
 def said_place(words: str, rooms: Collection[str]) -> Place | str:
-    """A place in English.
+    """Parse a place given in English.
 
     Args:
         words: such as ``on the shelf in the study``, ``at the foot of the bed``, ``on the desk, facing its front``.
-        rooms: what the rooms of the home are called.
+        rooms: names of the home's rooms.
 
     Returns:
         The place, or what is wrong with the words.
@@ -51,7 +51,7 @@ def said_place(words: str, rooms: Collection[str]) -> Place | str:
 
 
 def _without_room(text: str, rooms: Collection[str]) -> tuple[str, str | None]:
-    """The words before ``in the ROOM``, and the room."""
+    """The words before ``in the ROOM``, and the room or None."""
     before, _, last = text.rpartition(" in ")
     by_name = {snake(room): room for room in rooms}
     for name in (last, last.removeprefix("the ")):
@@ -61,7 +61,7 @@ def _without_room(text: str, rooms: Collection[str]) -> tuple[str, str | None]:
 
 
 def _without_side(text: str) -> tuple[str, Side | None]:
-    """The words with a plain relation in place of that to a side, and the side."""
+    """The words with a plain relation in place of one that names a side, and the side or None."""
     for words, plain, side in _SIDES:
         if found := re.match(rf"{words} ", text, re.IGNORECASE):
             return f"{plain} {text[found.end() :]}", side

@@ -1,4 +1,4 @@
-"""The requests of a home of one's own as episodes: each thing is put where it is said, or where the habits say."""
+"""Turns the requests of a user's own home into episodes, with each thing where the file or else its habits say."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from ucon.task.spoken import spoken_place
 
 #: Seeds that are tried for each start.
 _SEEDS_A_START: Final = 3
-#: Places that are tried for a thing that cannot be put where it was said.
+#: Places that are tried for a thing that cannot be put where the home file says.
 _NEAR: Final = 12
 
 
@@ -48,23 +48,23 @@ def placed_requests(
 ) -> tuple[tuple[Placed, ...], HabitDataset]:
     """Place the requests of a home.
 
-    The other things of the home are kept by households of the habit book, whose sentences the robot is told, too; or
-    there are none (:func:`ucon.task.own_home.days.placed_in_days`).
+    Households of the habit book keep the other things of the home, and the robot is given their sentences too; or no
+    other things are placed (:func:`ucon.task.own_home.days.placed_in_days`).
 
     Args:
-        wish: the home.
+        wish: the home as its file describes it.
         name: its name.
-        house: what was built.
+        house: the home as built.
         read: reads the habits.
         rules: rule set under which the episodes must be solvable.
         seed: of the first start of each request.
-        faults: that were found before; they are told, too.
+        faults: faults found before, which are reported too.
 
     Returns:
-        The requests in their order, and the habits that all their episodes belong to.
+        The requests in their order, and the habits that all their episodes use.
 
     Raises:
-        DataError: something cannot be placed; one line for each, with the nearest place that can be.
+        DataError: things cannot be placed; one line for each, with the nearest possible place.
     """
     if not wish.others:
         return placed_in_days(wish, name, house, read, rules, seed, faults)
@@ -92,7 +92,7 @@ def _placed(
     spots: Spots,
     seeds: range,
 ) -> Placed:
-    """One request at the first place that works.
+    """Place one request at the first place that works.
 
     Raises:
         PlacementError: no place works.
@@ -117,7 +117,7 @@ def _placed(
 
 
 def _episodes(sampler: EpisodeSampler, name: str, target: str, seeds: range) -> Iterator[Episode]:
-    """One episode for each seed, or for later ones where a seed gives none."""
+    """One episode for each seed; later seeds replace those that give none."""
     left = len(seeds)
     for seed in range(seeds.start, seeds.start + _SEEDS_A_START * len(seeds)):
         if left == 0:
@@ -132,7 +132,7 @@ def _episodes(sampler: EpisodeSampler, name: str, target: str, seeds: range) -> 
 
 
 def _near(asked: OwnPlacement, house: House, read: ReadPlaces) -> Iterator[Placement]:
-    """Places of the home that take a thing: first by the same anchor, then those that its habits speak of."""
+    """Possible places for a thing in the home: first at the same anchor, then those that its habits suggest."""
     said = asked.place
     same = [Placement(relation, said.anchor) for relation in RELATIONS] if said else []
     likely = [there for there, _ in likely_places(replace(asked, place=None), read)]

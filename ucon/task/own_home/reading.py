@@ -1,4 +1,4 @@
-"""Reads a home file: every value is checked, and all faults are told at once, each with its line and what is near."""
+"""Reads a home file: checks every value and reports all faults at once, each with its line and what would be right."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from ucon.task.own_home.sentences import read_habits, shared_out
 from ucon.task.own_home.wish import OwnHome, Place, Request
 
 KEYS: Final = ("home", "kind", "seed", "rooms", "doors", "habits", "requests", "things", "others", "starts")
-#: Who keeps the other things of a home.
+#: Who keeps the other things of a home: the households of the habit book, or nobody.
 OTHERS: Final = ("book", "none")
-#: Most requests of a file (and most things), most places of one thing, most searches for each request.
+#: Most requests (and most things) of a file, most places of one thing, and most searches for each request.
 MOST_REQUESTS: Final = 50
 MOST_PLACES: Final = OWN_LIMITS.placements[1]
 MOST_STARTS: Final = 100
@@ -36,10 +36,10 @@ def read_home(source: Path | Mapping[str, Any], instead: Mapping[str, Any] | Non
 
     Args:
         source: the file, or the dict.
-        instead: keys of the top level with values that take the place of the file's.
+        instead: values of top-level keys that replace the file's.
 
     Raises:
-        DataError: with all faults, each with its line.
+        DataError: lists all faults, each with its line.
     """
     found, faults = read_as_far(source, instead)
     raise_in_order(faults, Path(source) if isinstance(source, Path) else Path("home"))
@@ -48,14 +48,14 @@ def read_home(source: Path | Mapping[str, Any], instead: Mapping[str, Any] | Non
 
 
 def raise_in_order(faults: Faults, file: Path) -> None:
-    """Raise an error if there are faults; those of the file come by line, others last.
+    """Raise an error if there are faults; those in the file are sorted by line, and others come last.
 
     Args:
-        faults: that were found.
-        file: that was read.
+        faults: the faults found.
+        file: the file read.
 
     Raises:
-        DataError: as of :meth:`ucon.habits.book.Faults.raise_if_any`.
+        DataError: see :meth:`ucon.habits.book.Faults.raise_if_any`.
     """
     line = re.compile(rf"{re.escape(str(file))}:([0-9]+)")
 
@@ -68,17 +68,17 @@ def raise_in_order(faults: Faults, file: Path) -> None:
 
 
 def read_as_far(source: Path | Mapping[str, Any], instead: Mapping[str, Any] | None = None) -> tuple[OwnHome, Faults]:
-    """Read a home file as far as it goes, so that what its faults leave can be tried, too.
+    """Read a home file as far as its faults allow, so that the faultless part can be tried too.
 
     Args:
         source: the file, or the dict.
-        instead: keys of the top level with values that take the place of the file's.
+        instead: values of top-level keys that replace the file's.
 
     Returns:
         The home with the requests that have no fault, and the faults.
 
     Raises:
-        DataError: there is a fault of the home itself, so that no home is left; with all faults in their order.
+        DataError: the home itself has a fault, so nothing can be tried; lists all faults in order.
     """
     if isinstance(source, Path):
         name, root, folder = str(source), read_marked(source), source.parent
@@ -96,7 +96,7 @@ def read_as_far(source: Path | Mapping[str, Any], instead: Mapping[str, Any] | N
 
 
 class _Asked(NamedTuple):
-    """A known thing; ``possible``: its places, if any are said, can be."""
+    """A thing of a known category; ``possible``: its places, if the file names any, have no fault."""
 
     target: str
     places: tuple[Place, ...]
@@ -105,14 +105,14 @@ class _Asked(NamedTuple):
 
 
 class _Reader(RoomReader):
-    """Turns marked values into a home; faults are collected, and what is wrong is left out."""
+    """Turns marked values into a home; collects the faults and leaves out what is wrong."""
 
     def __init__(self, faults: Faults, name: str, folder: Path | None) -> None:
         super().__init__(faults)
         self._name, self._folder = name, folder
 
     def home(self, root: Marked) -> OwnHome | None:
-        """The home of a document; None where it has a fault beside its requests and habits."""
+        """The home that a document describes; None if it has a fault outside its requests, things and habits."""
         if not isinstance(root.value, dict):
             self._fault(root.where, "expected a home, as `python -m ucon home new FILE.yaml` writes one")
             return None
@@ -128,7 +128,7 @@ class _Reader(RoomReader):
         rooms = tuple(self._rooms(part.get("rooms")))
         doors = self._doors(part.get("doors"), [room.called for room in rooms])
         whole = not self._faults.found
-        usual = OTHERS["others" in part]  # of an unknown word no more faults should follow
+        usual = OTHERS["others" in part]  # an unknown word should cause no further faults
         others = self._choice(part.get("others"), "keeper of the other things", OTHERS, usual) == "book"
         asked = [self._asked(part.get(key), key, [room.called for room in rooms]) for key in ("requests", "things")]
         self._check_once(*asked, others=others)
@@ -175,7 +175,7 @@ class _Reader(RoomReader):
     # -- requests ---------------------------------------------------------------------------------------------
 
     def _about(self, asked: Sequence[_Asked], habits: Marked | None) -> dict[_Asked, Request]:
-        """Things with the sentences about them; those that have none, or no possible place, are left out."""
+        """Things with the sentences about them; things without a sentence or with a faulty place are left out."""
         before = len(self._faults.found)
         sentences = read_habits(habits, self._folder, self._fault)
         sound = len(self._faults.found) == before
@@ -207,7 +207,7 @@ class _Reader(RoomReader):
         return found[:MOST_REQUESTS]
 
     def _check_once(self, requests: list[_Asked], things: list[_Asked], *, others: bool) -> None:
-        """Each thing is there once; what only a home without others can have is told where it has some."""
+        """Check that each thing occurs once, and that only ``others: none`` comes with things or several places."""
         seen: dict[str, str] = {}
         for group in (requests, things):
             for one in list(group):
@@ -240,7 +240,7 @@ class _Reader(RoomReader):
             self._fault(node.where, f"requests: {node.told}, expected a list, such as - mug: on the breakfast table")
 
     def _places(self, target: str, node: Marked, rooms: Sequence[str]) -> tuple[Place, ...]:
-        """The places of a thing; none where one of them has a fault."""
+        """The places of a thing; empty if one of them has a fault."""
         nodes = list(node.value) if is_list(node) else [node]
         if not 1 <= len(nodes) <= MOST_PLACES:
             self._fault(node.where, f"{target.replace('_', ' ')}: {len(nodes)} places, expected 1 to {MOST_PLACES}")

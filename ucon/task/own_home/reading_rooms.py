@@ -25,7 +25,7 @@ _SIZE: Final = re.compile(r"([0-9.]+) *(?:x|by|\*|×) *([0-9.]+) *m?")
 
 
 class RoomReader:
-    """Turns marked values into rooms and doors; faults are collected, and what is wrong is left out."""
+    """Turns marked values into rooms and doors; collects the faults and leaves out what is wrong."""
 
     def __init__(self, faults: Faults) -> None:
         self._faults = faults
@@ -39,7 +39,7 @@ class RoomReader:
                 self._fault(where, unknown_name("key", key, known))
 
     def _word(self, node: Marked, what: str) -> str | None:
-        """The value as a name; a list, or names with values, is a fault."""
+        """The value as a name; a list or a mapping is a fault."""
         if isinstance(node.value, list | dict):
             self._fault(node.where, f"{what}: {node.told}, expected a name")
             return None
@@ -71,7 +71,7 @@ class RoomReader:
             self._fault(node.where, f"a home with only a {said[0][0]}; add a room")
 
     def _named_rooms(self, node: Marked) -> Iterator[tuple[str, str, Marked | None]]:
-        """Names of rooms, where they stand, and what is said of them."""
+        """Names of rooms, where in the file they are, and their content."""
         if isinstance(node.value, dict):
             yield from ((name, node.keys[name], content) for name, content in node.value.items())
         elif isinstance(node.value, list):
@@ -137,7 +137,7 @@ class RoomReader:
         return found
 
     def _counted(self, node: Marked) -> Iterator[tuple[str, int, str]]:
-        """Words for furniture, how many, and where that is said."""
+        """Words for furniture, how many pieces, and where in the file this is."""
         if isinstance(node.value, dict):
             for words, count in node.value.items():
                 if type(count.value) is int and count.value >= 1:
@@ -196,7 +196,7 @@ class RoomReader:
         return Door(first, second, joint, node.where)
 
     def _joined(self, doors: list[Door], rooms: list[str], where: str) -> None:
-        """Doors must lead to every room in one way: no circle, nothing left out."""
+        """Check that the doors form a tree: exactly one way to every room, no circle, no room left out."""
         part = {room: {room} for room in rooms}
         for door in doors:
             if part[door.first] is part[door.second]:

@@ -1,4 +1,4 @@
-"""The habit sentences of a home file: where they are, and which of the things asked for each is about."""
+"""The habit sentences of a home file: where they are, and which of the requested things each is about."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ucon.task.own_home.wish import Sentence
 
 #: Largest file of habits, bytes.
 _MOST_BYTES: Final = 1 << 20
-#: Lines of such a file that start so say nothing.
+#: Start of comment lines in such a file.
 _REMARK: Final = "#"
 Fault = Callable[[str, str], None]
 
@@ -24,12 +24,12 @@ def read_habits(node: Marked | None, folder: Path | None, fault: Fault) -> list[
     """The sentences of the key ``habits``: a list, or the name of a text file beside the home's.
 
     Args:
-        node: its value.
-        folder: of the home's file; None where the home comes from a program.
-        fault: is told of what is wrong, with its place.
+        node: the value of the key.
+        folder: folder of the home file; None where the home is given as a dict.
+        fault: called with the place and the text of each fault.
 
     Returns:
-        None where they cannot be read.
+        The sentences; None where they cannot be read.
     """
     if node is None or node.value is None:
         return []
@@ -55,14 +55,15 @@ def read_habits(node: Marked | None, folder: Path | None, fault: Fault) -> list[
 
 
 def shared_out(sentences: Sequence[Sentence], targets: Sequence[str]) -> dict[str, list[Sentence]]:
-    """The sentences by the thing they are about.
+    """Group sentences by the thing they are about.
 
-    A sentence is about the thing it names, by its name or a synonym. One that names none of them goes with the sentence
-    before it, as in a text of people; at the beginning, with the first that names one, else with the first thing.
+    A sentence is about the thing that it names, by its name or a synonym. A sentence that names none is about the same
+    thing as the sentence before it, as in running text; at the beginning it is about the first thing that any sentence
+    names, or else about the first target.
 
     Args:
-        sentences: in their order.
-        targets: categories that are asked for.
+        sentences: the sentences in order.
+        targets: categories of the requested things.
     """
     about: dict[str, list[Sentence]] = {target: [] for target in targets}
     if not targets:

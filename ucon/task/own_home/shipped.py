@@ -1,8 +1,8 @@
-"""Homes that are shipped, by name: the three of the real-robot setting, and the two cases that are shown of it.
+"""Shipped homes by name: the three of the real-robot setting, and two cases in them.
 
-The paper tested in three real environments, two of them homes of 30 and 90 m2, with habits made by hand, and shows two
-searches: for the book at the foot of the bed, and for the newspaper behind the laptop. Its homes and sentences are not
-public; these are others of the same sizes.
+The paper tested in three real environments, two of them homes of 30 and 90 m2, with habits written by hand, and shows
+two searches: for the book at the foot of the bed, and for the newspaper behind the laptop. Its homes and sentences are
+not public; these are different ones of the same sizes.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ class Case:
     """One search of a shipped home.
 
     Attributes:
-        home: its name.
-        target: category that is asked for.
+        home: name of the home.
+        target: category to be found.
         day: seed of the episode.
         expected: what a robot that reads the habit does, in words.
     """
@@ -31,9 +31,9 @@ class Case:
     expected: str
 
 
-#: Homes by name: the file of each.
+#: The file of each home, by name.
 HOMES: Final = {name: _DATA / f"{name}.yaml" for name in ("robot_flat", "robot_house", "robot_office")}
-#: Cases by name; their days were chosen so that they show the point.
+#: Cases by name; their days were chosen so that they show the expected behaviour.
 CASES: Final = {
     "case_book": Case(
         "robot_house",
@@ -59,7 +59,7 @@ def home_path(name: str | Path) -> Path:
     """The file of a home.
 
     Args:
-        name: of a shipped home or case, or a file.
+        name: name of a shipped home or case, or a file.
     """
     home = CASES[str(name)].home if str(name) in CASES else str(name)
     return HOMES.get(home) or Path(name).expanduser()

@@ -1,4 +1,4 @@
-"""What a home file asks for, as it was read: every part knows where it was said."""
+"""What a home file asks for, as it was read; every part knows its file and line."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ucon.sim.placement.spot import Side
 
 @dataclass(frozen=True)
 class Thing:
-    """Furniture of a room: how many of a category, and where that is said."""
+    """Furniture of a room: how many of a category, and file and line."""
 
     count: int
     where: str
@@ -22,10 +22,10 @@ class OwnRoom:
     """One room.
 
     Attributes:
-        called: as its owner calls it.
-        type: of :data:`ucon.task.own_home.names.ROOM_TYPES`.
-        size_m: width and length; None: drawn by the seed.
-        furniture: by category; None: drawn by the seed.
+        called: name of the room in the home file.
+        type: one of :data:`ucon.task.own_home.names.ROOM_TYPES`.
+        size_m: width and length; None: drawn from the seed.
+        furniture: furniture by category; None: drawn from the seed.
         where: file and line.
     """
 
@@ -38,7 +38,7 @@ class OwnRoom:
 
 @dataclass(frozen=True)
 class Door:
-    """An opening between two rooms, by what they are called; ``joint`` is its kind, None the usual one."""
+    """An opening between two rooms, given by their names; ``joint`` is its kind, None for the usual one."""
 
     first: str
     second: str
@@ -48,7 +48,7 @@ class Door:
 
 @dataclass(frozen=True)
 class Sentence:
-    """A habit, and where it is said."""
+    """A habit sentence, with file and line."""
 
     text: str
     where: str
@@ -56,13 +56,13 @@ class Sentence:
 
 @dataclass(frozen=True)
 class Place:
-    """A place as it was said: ``on the shelf in the study``, ``behind the laptop``.
+    """A place as the home file gives it: ``on the shelf in the study``, ``behind the laptop``.
 
     Attributes:
         placement: relation and anchor.
-        side: of the anchor, or None.
-        facing: whether the thing's front looks where the anchor's does.
-        room: as its owner calls it, or None.
+        side: side of the anchor, or None.
+        facing: whether the thing's front faces the same way as the anchor's.
+        room: name of the room in the home file, or None.
     """
 
     placement: Placement
@@ -73,7 +73,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Request:
-    """Something to be searched.
+    """Something to search for.
 
     Attributes:
         target: its category.
@@ -98,17 +98,17 @@ class OwnHome:
     """A home, its habits and its requests.
 
     Attributes:
-        called: what it is called; of a home that has a name here already, this name.
-        known: whether it is such a home, and nothing is built.
-        kind: of :data:`ucon.scenes.program.HOME_KINDS`.
-        seed: draws what is not said.
-        rooms: empty: drawn by the seed.
-        doors: None: as in generated homes.
-        requests: at least one where something is to be searched.
-        things: that are kept where it is said, and never searched.
-        others: whether the other things are kept by households of the habit book; else they are where the home has
-            them, all requests and things are where the habits say in every search, and these habits are all.
-        starts: number of searches for each request, each from another place.
+        called: the name that the file gives, or that of an existing home.
+        known: whether this is an existing home, so that nothing is built.
+        kind: one of :data:`ucon.scenes.program.HOME_KINDS`.
+        seed: draws what the file does not state.
+        rooms: the rooms; empty: drawn from the seed.
+        doors: the doors; None: as in generated homes.
+        requests: what to search for; at least one if there are to be searches.
+        things: things that are kept where the file or the habits say, and never searched for.
+        others: whether households of the habit book keep the other things; else these stay where the home has them, all
+            requests and things are placed for every search, and the file's habits are the only ones.
+        starts: number of searches for each request, each from a different start.
         where: the file and its first line, for messages.
         file: the file.
     """

@@ -1,1 +1,1 @@
-"""The real robot: a rig of sensors on a body that moves continuously, as exactly as its motors and odometry let it."""
+"""The real robot: a rig of sensors on a body that moves continuously, with errors of motion and odometry."""

@@ -17,16 +17,16 @@ Point = tuple[float, float]
 
 
 class RobotLedger(Ledger):
-    """As :class:`ucon.task.ledger.Ledger`, in metres really moved and in lengths of the body's shortest paths."""
+    """Like :class:`ucon.task.ledger.Ledger`, with the metres actually moved and the body's own shortest paths."""
 
     _shared: ClassVar[frozenset[str]] = Ledger._shared | {"_grid"}
     _flat: ClassVar[frozenset[str]] = frozenset({"path_xy", "_ways"})
     search: RobotSearch
 
     def to_goal_m(self) -> float:
-        """Path length in metres to the place of the stored solution's Open and on to its last place.
+        """Path length in metres via the place of the stored solution's Open to its last place.
 
-        Once the target's container is open (or without one), to the last place alone.
+        Once the target's container is open, or if there is none, the length to the last place alone.
         """
         if self._opens_at is None or self.search.opened[self.episode.target_object.holder]:
             return self._way_from(self._ends_at).at(*self.search.xy)
@@ -43,7 +43,7 @@ class RobotLedger(Ledger):
         return self.search.moved_m
 
     def _start_and_final_m(self) -> tuple[float, float]:
-        """Path length in metres from the start, and from here, to the last place of the stored solution."""
+        """Path lengths in metres from the start and from here to the last place of the stored solution."""
         way = self._way_from(self._ends_at)
         return way.at(*self.path_xy[0]), way.at(*self.search.xy)
 
@@ -55,16 +55,16 @@ class RobotLedger(Ledger):
 
     @cached_property
     def _grid(self) -> PathGrid:
-        """Where the robot can be; made at the first question for a distance."""
+        """Grid of where the robot can be; made when a distance is first needed."""
         return PathGrid(self.search.floor)
 
 
 def solution_places(episode: Episode, start: Point) -> tuple[Point | None, Point]:
-    """Places of an episode's stored solution, walked without errors under the rules that it was made under.
+    """Places of an episode's stored solution, executed without errors under the rules it was made for.
 
     Args:
         episode: the episode.
-        start: of the robot, world metres.
+        start: position of the robot at the start, world metres.
 
     Returns:
         The place of its Open (None without one), and its last place.

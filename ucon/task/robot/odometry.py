@@ -14,19 +14,19 @@ from ucon.task.robot.pose import half_turn
 
 @dataclass(frozen=True, slots=True)
 class Odometry(Shared):
-    """Where the robot believes to be: metres and degrees from its start, x ahead and y to the left of it."""
+    """Where the robot believes it is: metres and degrees relative to its start, x ahead and y to the left."""
 
     x: float = 0.0
     y: float = 0.0
     yaw_deg: float = 0.0
 
     def after(self, ahead_m: float, left_m: float, turned_deg: float) -> Odometry:
-        """The estimate after a motion, as it is measured.
+        """The estimate after a motion, from the measured motion.
 
         Args:
-            ahead_m: along the yaw before it.
-            left_m: across it.
-            turned_deg: counter-clockwise.
+            ahead_m: metres along the yaw before the motion.
+            left_m: metres to the left of it.
+            turned_deg: degrees turned counter-clockwise.
         """
         c, s = heading_cos_sin(self.yaw_deg / 90.0)
         x, y = self.x + c * ahead_m - s * left_m, self.y + s * ahead_m + c * left_m
@@ -35,7 +35,7 @@ class Odometry(Shared):
     def to_next(self, direction: int, turn_deg: int) -> float:
         """Degrees of a turn to the next multiple of ``turn_deg``.
 
-        So the robot's headings stay those of its own frame: the error of a turn is made good by the next one.
+        This keeps the robot at the headings of its own frame: each turn corrects the error of the one before.
 
         Args:
             direction: 1 to the left, -1 to the right.

@@ -27,12 +27,12 @@ class RobotPose(Shared):
 
 
 def start_pose(house: House, start: Start) -> RobotPose:
-    """The first pose of an episode: its node's centre."""
+    """The first pose of an episode: the centre of its start node."""
     x, y = house.grid.xy((start.i, start.j)).tolist()
     return RobotPose(x, y, 90.0 * start.heading)
 
 
 def half_turn(angle_deg: float) -> float:
-    """An angle in degrees, brought to above -180 and up to 180."""
+    """An angle in degrees, wrapped to (-180, 180]."""
     angle = angle_deg % 360.0
     return angle - 360.0 if angle > 180.0 else angle

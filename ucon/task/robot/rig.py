@@ -11,13 +11,13 @@ from ucon.core.sharing import Shared
 from ucon.sim.robot.floor import Floor
 from ucon.task.search import SceneWorld
 
-#: What the robot steps over, metres: as on the navigation grid.
+#: Greatest height that the robot steps over, metres; the same as on the navigation grid.
 STEP_OVER_M: Final = 0.05
-#: From the camera to the highest point of the rig, metres.
+#: Height of the rig's highest point above the camera, metres.
 ABOVE_CAMERA_M: Final = 0.1
-#: Greatest radius: homes leave ways for one of 0.18 m, and a body wider than this is shut in by the furniture.
+#: Greatest radius: homes leave passages for a radius of 0.18 m, and furniture shuts in a body wider than this.
 WIDEST_M: Final = 0.3
-#: Least one: thinner than the rods that carry the camera.
+#: Least radius: thinner than the rods that carry the camera.
 _THINNEST_M: Final = 0.01
 _HIGHEST_M: Final = 1.8
 
@@ -27,21 +27,21 @@ class RobotRig(Shared):
     """How the robot is built, and how exactly it moves and senses; ``docs/task.md`` has the sources.
 
     Raises:
-        ConfigError: a rig that cannot be built.
+        ConfigError: such a rig cannot be built.
     """
 
     camera_m: float = 0.9
     """Height of the camera above the floor: rods of 0.5 m on the back of a small quadruped."""
     radius_m: float = 0.18
-    """Radius of the upright cylinder that the body is, metres; it reaches a little higher than the camera."""
+    """Radius of the upright cylinder that models the body, metres; it reaches a little higher than the camera."""
     motion_noise: float = 1.0
     """Strength of the errors of moves and turns: 1 for the published ones, 0 for none."""
     odometry: Literal["drift", "exact"] = "drift"
     """Whether the pose is the robot's own estimate, which drifts, or the true one."""
     depth: Literal["stereo", "exact"] = "stereo"
-    """Whether depth has range, noise and shadows of a stereo camera, or is the true one."""
+    """Whether depth has the range, noise and shadows of a stereo camera, or is exact."""
     seed: int = 0
-    """Of all errors; they also depend on the episode and the step."""
+    """Seed of all errors, which also depend on the episode and the step."""
 
     def __post_init__(self) -> None:
         low, high = STEP_OVER_M + ABOVE_CAMERA_M, _HIGHEST_M - ABOVE_CAMERA_M

@@ -19,15 +19,15 @@ from ucon.task.search import Eyes, SceneWorld, Search, StepOutcome
 
 #: Length of a MoveAhead, metres.
 MOVE_M = 0.25
-#: A move that got less far than this share of its way is a collision.
+#: A move that covers less than this share of its length is a collision.
 COLLISION_SHARE = 0.5
 
 
 class RobotSearch(Search):
-    """As :class:`ucon.task.search.Search`, with a pose in metres and degrees.
+    """Like :class:`ucon.task.search.Search`, with a pose in metres and degrees.
 
-    A move ahead ends where the body touches something. A turn goes to the next multiple of 60 degrees of the robot's
-    own frame, by its odometry.
+    A move ahead ends where the body touches something. A turn goes to the next multiple of 60 degrees in the robot's
+    own frame, as measured by its odometry.
 
     Attributes:
         pose: the robot's true pose.
@@ -37,7 +37,7 @@ class RobotSearch(Search):
     """
 
     _shared: ClassVar[frozenset[str]] = Search._shared | {"floor", "errors", "_odometry", "_ground", "_scale"}
-    pose: RobotPose  # type: ignore[assignment]  # it stands between nodes
+    pose: RobotPose  # type: ignore[assignment]  # not tied to nodes
 
     def __init__(
         self,
@@ -54,13 +54,13 @@ class RobotSearch(Search):
 
         Args:
             world: the home and what was placed in it.
-            eyes: the renderer, loaded with it.
+            eyes: the renderer, with this world loaded.
             target: instance of the target.
             start: the robot's first pose.
             rules: the rule set.
             floor: what the robot can touch.
-            errors: of its motion and senses.
-            ground: moves it in place of ``floor``: PyBullet.
+            errors: errors of the robot's motion and senses.
+            ground: moves the robot in place of ``floor``; PyBullet's.
         """
         super().__init__(world, eyes, target, start, rules)  # type: ignore[arg-type]
         self.floor, self.errors = floor, errors
@@ -89,27 +89,27 @@ class RobotSearch(Search):
         return outcome
 
     def _move(self) -> bool:
-        """Move ahead; whether it got at least half of the way."""
+        """Move ahead, and return whether at least half of the move was possible."""
         slip = self.errors.of_move(self.steps)
         return self._go(MOVE_M + slip.ahead_m, slip.aside_m, slip.yaw_deg, slip.drift_deg) >= COLLISION_SHARE
 
     def _turn(self, direction: int) -> None:
-        """Turn to the left (1) or to the right (-1), until the odometry says that it is done."""
+        """Turn to the left (1) or to the right (-1), until the odometry measures the next heading."""
         slip = self.errors.of_turn(self.steps)
         turned_deg = self._odometry.to_next(direction, self.rules.turn_deg) + slip.yaw_deg
         self._go(slip.ahead_m, slip.aside_m, turned_deg, slip.drift_deg)
 
     def _go(self, ahead_m: float, left_m: float, turned_deg: float, drift_deg: float) -> float:
-        """Move along the yaw and across it until something is touched, and turn.
+        """Move ahead and to the left until something is touched, and turn.
 
         Args:
             ahead_m: metres along the yaw.
-            left_m: metres across it.
-            turned_deg: change of the yaw that the odometry measures.
-            drift_deg: by how much more than the true one.
+            left_m: metres to the left of it.
+            turned_deg: change of the yaw as the odometry measures it.
+            drift_deg: by how much this exceeds the true change.
 
         Returns:
-            The share of the way that was possible.
+            The share of the move that was possible.
         """
         pose, way = self.pose, math.hypot(ahead_m, left_m)
         c, s = heading_cos_sin(pose.heading)

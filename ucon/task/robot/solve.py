@@ -1,9 +1,9 @@
-"""Shortest ways to success for a robot that moves continuously, and a solution that it can carry out.
+"""Shortest paths to success for a robot that moves continuously, and a solution that it can carry out.
 
-Two sets of places are looked at. The shortest path l of the SPL goes over the fine grid of :class:`PathGrid`: it is the
-body's, whatever its actions. The stored solution goes over the :class:`Lattice` that a robot without errors reaches by
-whole moves, and is therefore longer. In both, a way leads to the nearest place from which Done succeeds; where the
-target lies behind a closed door, by way of a place from which Open opens it.
+Two sets of places are searched. The shortest path l of SPL goes over the fine grid of :class:`PathGrid`: it is the
+body's shortest path, whatever the actions are. The stored solution goes over the :class:`Lattice` that a robot without
+errors reaches by whole moves, and is therefore longer. On both, a way leads to the nearest place from which Done
+succeeds; if the target is behind a closed door, it leads via a place from which Open opens that door.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ from ucon.task.rules import TaskRules
 from ucon.task.search import Eyes, SceneWorld
 from ucon.task.solve import Solution, box_in_view
 
-#: A view: heading (turns to the left of the start's) and pitch in degrees.
+#: A view: heading (number of turns to the left from the start's heading) and pitch in degrees.
 View: TypeAlias = tuple[int, int]
 #: Indices of a place.
 Place: TypeAlias = tuple[int, int]
-#: Coarser spacing in cells of the places at which it is asked whether a target can be found at all: 0.25 m.
+#: Spacing in cells of the places that are tested for whether a target can be found at all; equals 0.25 m.
 _SPARSE = 5
 
 
 @dataclass(frozen=True)
 class Way:
-    """A way to success: where Open is called (None: not at all) and where Done."""
+    """A way to success: where Done is called, and where Open is called before (None: not at all)."""
 
     length_m: float
     end: Place
@@ -50,13 +50,13 @@ class Places(Protocol):
     """Places that can be reached, and how far they are."""
 
     def near(self, box: NDArray[np.float64], reach_m: float) -> NDArray[np.int64]:
-        """(n, 2) the places within so much of a box (6,) in x and in y."""
+        """(n, 2) the places within ``reach_m`` of a box (6,) in x and in y."""
 
     def xy(self, places: NDArray[np.int64]) -> NDArray[np.float64]:
         """(n, 2) world metres of places (n, 2)."""
 
     def metres(self, origin: Place | None, places: NDArray[np.int64], most_m: float) -> NDArray[np.float64]:
-        """(n,) metres to places from another one; None: the start; infinity where no path of at most that leads."""
+        """(n,) metres to places from another one (None: the start); infinity where no path is short enough."""
 
 
 class RobotSolver:
@@ -67,7 +67,7 @@ class RobotSolver:
 
         Args:
             world: the home and what was placed in it.
-            eyes: a renderer loaded with it, that counts pixels in the rules' view.
+            eyes: a renderer with this world loaded that counts pixels in the rules' view.
             target: instance of the target.
             rules: the rule set.
             floor: what the robot can touch.
@@ -133,7 +133,7 @@ class _Candidates:
         self._xy = places.xy(near)
 
     def by_distance(self, origin: Place | None, most_m: float) -> Iterator[tuple[float, Place, NDArray[np.float64]]]:
-        """Metres, indices and position of those within ``most_m`` of another place, the nearest first."""
+        """Metres, indices and position of the places within ``most_m`` of another one, the nearest first."""
         metres = self._places.metres(origin, self._near, most_m)
         for k in np.argsort(metres, kind="stable").tolist():
             if not metres[k] <= most_m or math.isinf(metres[k]):
@@ -142,7 +142,7 @@ class _Candidates:
 
 
 class _Sight:
-    """What is visible and within reach from places, at the six headings of a start; each place is asked once."""
+    """What is visible and within reach from places, at the six headings of a start; results for Done are cached."""
 
     def __init__(self, solver: RobotSolver, yaw_deg: float) -> None:
         self._world, self._eyes, self._rules, self._target = solver.world, solver.eyes, solver.rules, solver.target
@@ -169,7 +169,7 @@ class _Sight:
         return next(seen, None)
 
     def opening_views(self, xy: NDArray[np.float64], holder: int) -> dict[frozenset[int], View]:
-        """By the set of containers that Open opens at a place, ``holder`` among them: a view in which it does."""
+        """Views at a place in which Open opens ``holder``: one for each set of containers opened at the same time."""
         openable = np.flatnonzero(self._world.openable)
         near = openable[self._rules.near(xy, self._world.boxes[openable])]
         found: dict[frozenset[int], View] = {}
@@ -208,7 +208,7 @@ class _GridPlaces:
         self._grid, self._start = grid, start
 
     def near(self, box: NDArray[np.float64], reach_m: float) -> NDArray[np.int64]:
-        """(n, 2) the passable cells within so much of a box (6,) in x and in y."""
+        """(n, 2) the passable cells within ``reach_m`` of a box (6,) in x and in y."""
         low = np.maximum(self._grid.cell(box[:2] - reach_m), 0)
         high = np.minimum(self._grid.cell(box[3:5] + reach_m) + 1, self._grid.passable.shape)
         return np.argwhere(self._grid.passable[low[0] : high[0], low[1] : high[1]]) + low
@@ -235,7 +235,7 @@ class _LatticePlaces:
         self._known: dict[Place, NDArray[np.int32]] = {}
 
     def near(self, box: NDArray[np.float64], reach_m: float) -> NDArray[np.int64]:
-        """(n, 2) the reached places within so much of a box (6,) in x and in y."""
+        """(n, 2) the reached places within ``reach_m`` of a box (6,) in x and in y."""
         inside = (self._at >= box[:2] - reach_m) & (self._at <= box[3:5] + reach_m)
         return self._reached[inside.all(1)]
 
@@ -250,14 +250,14 @@ class _LatticePlaces:
         return np.where(moves < NEVER, moves // MOVE_COST * MOVE_M, math.inf)
 
     def _costs(self, origin: Place) -> NDArray[np.int32]:
-        """Costs from a place, at any heading; computed once."""
+        """Costs from a place; computed once. Their moves do not depend on the heading there."""
         if origin not in self._known:
             self._known[origin] = self._lattice.costs_from(origin, 0)
         return self._known[origin]
 
 
 def _solution(lattice: Lattice, way: Way, rules: TaskRules) -> Solution:
-    """The actions of a way over a lattice."""
+    """The solution for a way over a lattice."""
     actions: list[int] = []
     cost, heading, pitch = lattice.cost, 0, 0
     if way.opening is not None:

@@ -1,1 +1,1 @@
-"""The page *Play*: a person searches, by the rules that agents search by."""
+"""The page *Play*: a person searches under the same rules as agents."""

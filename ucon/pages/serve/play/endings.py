@@ -1,4 +1,4 @@
-"""A search that is over, told and drawn: found or lost, the shortest way beside one's own, the whole home."""
+"""A finished search in words and on a plan: found or lost, the person's path and the shortest one, the whole home."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ def ended(episode: Episode, record: EpisodeRecord, source: HabitSource, rig: Rob
     """What is shown after an episode; nothing of it may be shown before.
 
     Args:
-        episode: that was played.
-        record: of it.
+        episode: the episode that was played.
+        record: its record.
         source: the habits it was played with.
-        rig: of a robot.
+        rig: the robot's rig, where a robot was played.
 
     Returns:
-        Figures, words, ``plan`` and ``placed`` as ``data/plan.js`` draws them, the ways as points in metres, and
-        ``turn``, quarter turns clockwise after which the plan lies as the map of what was seen.
+        Figures, words, ``plan`` and ``placed`` as ``data/plan.js`` draws them, the paths as points in metres, and
+        ``turn``, the quarter turns clockwise that align the plan with the map of what was seen.
     """
     house = house_by_name(episode.scene)
     own, env = _walked(episode, record.actions, source, rig)
@@ -63,7 +63,7 @@ def ended(episode: Episode, record: EpisodeRecord, source: HabitSource, rig: Rob
 
 
 def _why_lost(record: EpisodeRecord) -> str:
-    """Why a search was lost, said to the person who searched; "" where it was not."""
+    """Why a search was lost, in words for the person who searched; "" where it was not."""
     target, steps, seen = record.target.replace("_", " "), record.steps, record.first_seen_step
     in_view = f"The {target} was first in view at step {seen}"
     return {
@@ -83,7 +83,7 @@ def _walked(
     """Carry out actions without pictures.
 
     Returns:
-        Nodes of the way in metres, and the environment at its end.
+        Nodes of the path in metres, and the environment at its end.
     """
     env = UcONEnv([episode], habit_level="none", source=source, task=episode.task, rig=rig, observe="symbolic")
     env.reset(options={"episode": episode})

@@ -22,26 +22,26 @@ from ucon.programs.evaluating import Evaluation
 from ucon.task.agent import Info, Observation
 from ucon.task.rules import task_rules
 
-#: Longest wait in seconds for the next view; a home is built in that time, too.
+#: Longest wait in seconds for the next view; this includes building a home.
 _PATIENCE_S: Final = 120.0
 
 
 class _Stopped(Exception):  # noqa: N818 (no error: the person or the server leaves)
-    """The game is left; what was done is in the journal."""
+    """The game is left; the actions so far are in the journal."""
 
 
 class Game:
     """A run of :class:`ucon.programs.evaluating.Evaluation` that a person plays.
 
-    The thread of the run waits in :meth:`choose`; requests of the page take :meth:`state` and give :meth:`act`. The run
-    itself, its records and files are those of any agent.
+    The thread of the run waits in :meth:`choose`; requests of the page read :meth:`state` and call :meth:`act`. The run
+    itself, its records and its files are like those of any agent.
     """
 
     def __init__(self, evaluation: Evaluation, journal: Journal) -> None:
         """Prepare a game; :meth:`start` begins it.
 
         Args:
-            evaluation: of agent ``human``, not begun.
+            evaluation: evaluation of agent ``human`` that has not begun.
             journal: of its actions.
         """
         self.evaluation, self._journal = evaluation, journal
@@ -62,11 +62,11 @@ class Game:
         self._thread = threading.Thread(target=self._run, name=f"play {evaluation.out}", daemon=True)
 
     def start(self) -> None:
-        """Begin, or go on where an earlier server stopped."""
+        """Begin, or continue where an earlier server stopped."""
         self._thread.start()
 
     def stop(self, patience_s: float = _PATIENCE_S) -> None:
-        """Leave the game; it goes on later where it was.
+        """Leave the game; it can be continued later.
 
         Args:
             patience_s: longest time to wait until its thread has ended.
@@ -79,7 +79,7 @@ class Game:
 
     @property
     def alive(self) -> bool:
-        """Whether there is a next action to be given."""
+        """Whether the run is still being played."""
         return self._thread.is_alive()
 
     def _run(self) -> None:
@@ -89,7 +89,7 @@ class Game:
             pass
         except UconError as error:
             self._problem = str(error)
-        except Exception as error:  # a bug: told on the page, with its traceback where the server was started
+        except Exception as error:  # a bug: shown on the page, with its traceback in the server's terminal
             traceback.print_exc(file=sys.stderr)
             self._problem = f"{type(error).__name__}: {error}"
         with self._changed:
@@ -128,18 +128,18 @@ class Game:
     def act(self, episode: str, step: int, action: int) -> dict[str, Any]:
         """Carry out an action of the person.
 
-        An action that comes twice, or from a page that shows an earlier state, does nothing.
+        An action that arrives twice, or from a page that shows an earlier state, does nothing.
 
         Args:
             episode: id of the episode that the page shows.
-            step: number of steps that it shows.
+            step: number of steps that the page shows.
             action: 0 to 6.
 
         Returns:
             The state after it; ``dropped``: whether the action did nothing.
 
         Raises:
-            DataError: it could not be written down, so it was not carried out.
+            DataError: it could not be stored, so it was not carried out.
         """
         with self._changed:
             self._wait()
@@ -156,10 +156,10 @@ class Game:
 
         Returns:
             ``over``; ``done`` and ``n`` episodes and the figures so far; ``view`` of the current episode, None after
-            the last; ``last``, the id of the episode that was over last; ``ended``, all of them after the last.
+            the last; ``last``, the id of the last finished episode; ``ended``, all finished episodes once ``over``.
 
         Raises:
-            ConfigError: the run cannot go on; says why.
+            ConfigError: the run cannot continue; says why.
         """
         with self._changed:
             self._wait()
@@ -229,7 +229,7 @@ class Game:
             self._records |= {record.episode: record for record in records}
 
     def _wait(self) -> None:
-        """Wait until the person can act, or nothing more comes; the lock is held.
+        """Wait until the person can act, or the game is over or left; the lock is held.
 
         Raises:
             ConfigError: the run failed, was left, or takes too long.

@@ -1,4 +1,4 @@
-"""All runs of people below one folder: opening them, finding those that were left."""
+"""All runs of people below one folder: opens them, and finds those of earlier sessions."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from ucon.programs.evaluating import Evaluation
 from ucon.task.own_home.shipped import is_shipped
 from ucon.task.sets import episode_sets
 
-#: Levels that can be played; ``context`` ranks habits anew in every step, which nobody could follow.
+#: Levels that can be played; ``context`` re-ranks habits in every step, which nobody could follow.
 LEVELS: Final = ("none", "retrieval", "gt", "full")
 #: Side of the picture in pixels: what agents get, and a sharper one.
 PICTURES: Final = (128, 384)
 _MOST_EPISODES: Final = 2000
-#: Folder of a run: its set, level and number of searches.
+#: Name of a run's folder: its set, level and number of searches.
 _RUN: Final = re.compile(rf"(.+)-({'|'.join(LEVELS)})-([0-9]{{1,4}})(?:-.*)?")
-#: Games that are open at once: each keeps a home in memory.
+#: Largest number of games that are open at once: each keeps a home in memory.
 _MOST_OPEN: Final = 8
-#: Seconds that the end of the server waits for all games; what was done is in their journals by then.
+#: Seconds to wait for all games when the server ends; all actions are in their journals by then.
 _CLOSING_S: Final = 2.0
 
 
@@ -45,7 +45,7 @@ def named_homes(files: Iterable[Path]) -> dict[str, Path]:
     """Home files by the names of their sets, which are part of paths.
 
     Args:
-        files: in their order.
+        files: in order.
 
     Raises:
         ConfigError: no home file, or a name that another set has.
@@ -80,17 +80,17 @@ class Games:
         self._open: dict[str, Game] = {}
         self._closed = False
         self._lock = threading.Lock()
-        """Of the open games; held for moments alone, since every request needs it."""
+        """Guards the open games; held only for moments, since every request needs it."""
         self._opening = threading.Lock()
         """Held while a game is opened, which may take long."""
 
     @property
     def sets(self) -> tuple[str, ...]:
-        """What can be played: homes of one's own first."""
+        """Sets that can be played: the user's own homes first."""
         return (*self._homes, *sets())
 
     def open(self, player: str, level: str, episodes: str, n: int, picture_px: int) -> str:
-        """Begin a run, or go on with the one that was left.
+        """Begin a run, or continue the one that was left.
 
         Args:
             player: who plays.
@@ -103,7 +103,7 @@ class Games:
             Name of the game.
 
         Raises:
-            ConfigError: a wrong option, the run is open in another command, or the server ends.
+            ConfigError: a wrong option, the run is open in another command, or the server is shutting down.
         """
         checked_name(player, "name")
         if episodes not in self.sets:
@@ -148,7 +148,10 @@ class Games:
         return game
 
     def left(self) -> list[dict[str, Any]]:
-        """Runs below the folder, newest first: ``player``, ``level``, ``episodes``, ``n``, ``picture_px``, ``done``."""
+        """Runs below the folder, newest first, at most 100.
+
+        Each has ``player``, ``level``, ``episodes``, ``n``, ``picture_px``, ``done``, ``finished`` and ``run``.
+        """
         found = []
         for path in self._folder.glob("*/*"):
             options = _options_of(path)
@@ -159,7 +162,7 @@ class Games:
         return [one for _, one in sorted(found, key=lambda pair: -pair[0])][:100]
 
     def close(self) -> None:
-        """Leave all games; no more are opened. A game that builds a home is not waited for until it is built."""
+        """Leave all games; no more are opened. Waits at most ``_CLOSING_S``, even for a game that builds a home."""
         with self._lock:
             self._closed = True
             games = list(self._open.values())
@@ -171,7 +174,7 @@ class Games:
             game.stop(max(0.0, until - time.monotonic()))
 
     def _taken_of_many(self) -> list[Game]:
-        """Take out the games that were opened first, where there are many; over ones before others."""
+        """Take out the games that were opened first, where there are too many; finished ones before others."""
         taken = []
         while len(self._open) >= _MOST_OPEN:
             name = next((name for name, game in self._open.items() if not game.alive), next(iter(self._open)))
@@ -185,7 +188,7 @@ def _config(player: str, level: str, episodes: str, n: int, picture_px: int, out
         "agent=human", f"habit_level={level}", "env.observe=pixels", "workers=0", "pictures=0", "progress=false",
         f"limit={n}", f"env.width_px={picture_px}", f"env.height_px={picture_px}",
     )  # fmt: skip
-    config["agent"]["player"] = player  # as an override, 7 or null would be no text
+    config["agent"]["player"] = player  # as an override, 7 or null would not be a text
     return config | {"episodes": episodes, "out": str(out)}
 
 
@@ -205,7 +208,7 @@ def _records_of(evaluation: Evaluation) -> list[EpisodeRecord]:
 
 
 def _options_of(path: Path) -> dict[str, Any] | None:
-    """What was chosen for the run of a folder, by its name; None where it is none of these runs."""
+    """The options of a run, from the name of its folder; None where it is no such run."""
     name, picture_px = path.name, PICTURES[0]
     for px in PICTURES[1:]:
         if f"-{px}px" in name:

@@ -1,4 +1,4 @@
-"""Every action of a person, written at once: a server that was killed goes on inside the episode."""
+"""Every action of a person, written immediately, so that a killed server can continue within the episode."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ _MOST_BYTES: Final = 1 << 28
 class Journal:
     """The actions of one run by episode, in a file with a line for each.
 
-    A last line that was cut off is dropped. A line that is none ends the reading: what follows cannot be replayed.
+    A last line that was cut off is dropped. An invalid line ends the reading: what follows cannot be replayed.
     """
 
     def __init__(self, path: Path) -> None:
-        """Read what is there; the file is made with the first action.
+        """Read the file, if it exists; it is created with the first action.
 
         Args:
             path: of the file.
@@ -45,7 +45,7 @@ class Journal:
             os.truncate(path, good)
 
     def _take(self, line: bytes) -> bool:
-        """Read a line; whether it is one."""
+        """Read a line; returns whether it is valid."""
         try:
             found = parse_json(line)
         except JsonError:
@@ -68,7 +68,7 @@ class Journal:
         return tuple(self._actions.get(episode, ()))
 
     def add(self, episode: str, action: int) -> None:
-        """Write an action down, before it is carried out.
+        """Store an action, before it is carried out.
 
         Args:
             episode: its id.
@@ -92,7 +92,7 @@ class Journal:
 
 
 def _append(handle: int, line: bytes) -> None:
-    """Write a line at the end of a file, or nothing: behind a part of a line, no later one could be read."""
+    """Write a whole line at the end of a file, or nothing: after part of a line, no later one could be read."""
     size = os.fstat(handle).st_size
     try:
         if os.write(handle, line) != len(line):

@@ -1,4 +1,4 @@
-"""What the page *Play* asks for."""
+"""Routes of the page *Play*."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a person is shown in a step: what an agent's observation and info hold, and the map made of them alone."""
+"""What a person is shown in a step: an agent's observation and info, and a map made from these alone."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Sights:
     """Turns the observations of one episode into what the page shows; also remembers what was seen.
 
     Attributes:
-        target: what is searched, in words.
+        target: what is searched for, in words.
         habits: sentences that were given.
-        context: sentence on time and asker, where the episode states them.
+        context: sentence about time and asker, where the episode states them.
     """
 
     def __init__(self, info: Info) -> None:
@@ -75,7 +75,7 @@ class Sights:
             observation: the last one.
 
         Returns:
-            ``picture`` and ``map`` as addresses that hold the data, ``pitch_deg``, and ``things`` in view, nearest
+            ``picture`` and ``map`` as data URLs, ``pitch_deg``, and ``things`` in view, nearest
             first: ``name``, ``metres``, ``target``, ``opened``.
         """
         return {
@@ -102,6 +102,6 @@ class Sights:
 
 
 def _png(image: NDArray[np.uint8]) -> str:
-    """A picture (H, W, 3), RGB, as an address that holds it: the same pixels, nothing lost."""
+    """A picture (H, W, 3), RGB, as the data URL of a PNG, without loss."""
     _, data = cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))
     return f"data:image/png;base64,{b64encode(data.tobytes()).decode()}"
