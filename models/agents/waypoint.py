@@ -33,7 +33,6 @@ class Chosen:
     answers: tuple[Answer, ...] = ()
     fallback: bool = False
     answered: int = -1
-    """Index of the answered option; -1 where none was."""
 
 
 class WaypointAgent:

@@ -21,7 +21,7 @@ from ucon.task.robot.solve import RobotSolver
 from ucon.task.rules import REAL_ROBOT
 from ucon.task.sets import load_episodes
 
-#: By how much a shortest path may be too long: a cell at each end, and 2.7 % of the way.
+#: By how much a shortest path may be too long: a cell at each end, and 2.7 % of the way (rounded up).
 ENDS_M, SHARE = 0.1, 1.028
 
 
