@@ -235,9 +235,9 @@ class UcONEnv(PartlyShared, gym.Env[Obs, int]):
         Args:
             seed: draws the episode, unless one is given.
             options: ``episode``, an Episode, an id or an index; ``habit_level``, the level for this episode only;
-                ``hide_target``, True: detectors that read instances never show the target (for trainers); ``frame``, a
-                Start: poses and the grid are relative to it instead of the episode's start; ``same_home``, True: the detector keeps the
-                tracks of the episode before, whose home must have the same instances.
+                ``hide_target``, True: detectors that read instances never show the target (for trainers); ``frame``,
+                a Start: poses and the grid are relative to it instead of the episode's start; ``same_home``, True: the
+                detector keeps the tracks of the episode before, whose home must have the same instances.
 
         Returns:
             Observation and info; see the class.
