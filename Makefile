@@ -5,18 +5,18 @@ SHELL := /bin/bash
 
 VENV   := .venv
 PY     := $(VENV)/bin/python
-# Installed: what the package needs, and what tests need besides.
+# Stamps: installed what the package needs (CORE), and what the tests need in addition (STAMP).
 CORE   := $(VENV)/.core
 STAMP  := $(VENV)/.installed
 WARM   := $(VENV)/.warm
-# The newest interpreter that PyBullet has wheels for, else a newer one, that really starts (a version manager's shim may
-# not): without PyBullet what is shipped is played and learned from, and no home or set is made.
+# The newest interpreter that PyBullet has wheels for, else a newer one; it must really start (a version manager's shim
+# may not). Without PyBullet, shipped homes can be played and trained on, but no home or episode set can be made.
 PYTHON ?= $(shell for p in python3.11 python3.10 python3.12 python3.13 python3 python; do \
 	$$p -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))' >/dev/null 2>&1 && { echo $$p; break; }; done)
 INSTALL = $(PY) -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
-# Without stored bytecode every command compiles its libraries anew: 3 s for torch, 5 s for TorchRL.
+# Without stored bytecode every command compiles its libraries again: 3 s for torch, 5 s for TorchRL.
 unexport PYTHONDONTWRITEBYTECODE
-# How many tests run at once; those that hold a bar on seconds run alone, after the others.
+# Number of tests that run at once; tests with a time limit run alone, after the others.
 JOBS   ?= 2
 TOGETHER = OMP_NUM_THREADS=1 $(PY) -m pytest -n $(JOBS) --dist worksteal
 
@@ -34,7 +34,7 @@ $(PY):
 
 $(CORE): pyproject.toml constraints.txt | $(PY)
 	$(INSTALL) --editable '.[serve]'
-	@$(PY) -c 'import sys; sys.version_info >= (3, 12) and print("PyBullet has no wheels for this Python: homes and sets are not made here; those that are shipped are played and learned from")'
+	@$(PY) -c 'import sys; sys.version_info >= (3, 12) and print("PyBullet has no wheels for this Python: shipped homes and sets can be played and trained on, new ones cannot be made here")'
 	@touch $@
 
 $(STAMP): $(CORE)
@@ -53,7 +53,7 @@ test: setup ## Run the tests (some 20 minutes).
 	$(TOGETHER) -m 'not slow and not timed'
 	$(PY) -m pytest -m 'timed and not slow'
 
-#: A spine through all parts: what is quick and breaks first.
+#: A quick sample of tests from all parts.
 SPINE = tests/core tests/habits tests/task tests/retrieval tests/sim tests/test_configs.py tests/test_readme.py \
   tests/perception/test_semantic_map.py tests/perception/test_belief.py \
   tests/envs/test_ucon_env.py tests/envs/test_ends.py tests/envs/test_frame.py tests/commands/test_help_page.py \
@@ -80,7 +80,7 @@ $(VENV)/.mutants: $(STAMP)
 	$(INSTALL) --editable '.[dev,mutants]'
 	@touch $@
 
-mutants: setup $(VENV)/.mutants ## Mutate the code in 150 places and see whether tests notice (hours; goes on where it was).
+mutants: setup $(VENV)/.mutants ## Mutate the code in 150 places and see whether tests notice (hours; resumes).
 	OMP_NUM_THREADS=1 $(PY) -m tests.mutants --jobs $(JOBS)
 
 $(VENV)/.docs: $(STAMP)
@@ -95,7 +95,7 @@ lint: setup ## ruff and mypy.
 	$(VENV)/bin/ruff format --check .
 	$(VENV)/bin/mypy ucon models train.py eval.py
 
-format: setup ## Let ruff mend what it can.
+format: setup ## Fix and format with ruff.
 	$(VENV)/bin/ruff check --fix .
 	$(VENV)/bin/ruff format .
 
