@@ -119,7 +119,9 @@ def test_a_run_goes_on_where_it_began(tmp_path):
             "ucon.learning.retriever.learner.RetrieverLearner, device: cuda:7",
         )
     )
-    with pytest.raises(ConfigError, match=r"began on learner\.device=cuda:7, which torch does not see") as caught:
+    with pytest.raises(
+        ConfigError, match=r"was started with learner\.device=cuda:7, which torch does not see"
+    ) as caught:
         resumed(tmp_path)
     assert "\n" not in str(caught.value)
     (tmp_path / "config.yaml").write_text(
@@ -216,7 +218,7 @@ def test_sigterm_saves_and_resume_gives_the_same_bytes(tmp_path):
         assert (whole / name).read_bytes() == (parts / name).read_bytes()
     longer = train(f"resume={parts}", "progress=false", "training.steps=6")
     assert longer.returncode == 0, longer.stderr[-2000:]
-    assert "planned for 4 steps, after 4 extended to 6; since then its learning rate" in longer.stderr
+    assert "planned for 4 steps, extended to 6 after 4; from then on its learning rate" in longer.stderr
     assert json.loads((parts / "summary.json").read_text())["extended"] == [{"at": 4, "steps": 6}]
     assert OmegaConf.load(parts / "config.yaml").training.extended == [{"at": 4, "steps": 6}]
     assert "6 steps are done; give more" in error_line(train(f"resume={parts}", "progress=false", "training.steps=6"))

@@ -155,7 +155,7 @@ def test_what_cannot_be_done_is_refused_before_anything_is_done() -> None:
         env.step(now.clone().set("action", torch.tensor([0, 0, 7])))
     after = env.step(now.clone().set("action", torch.tensor([1, 6, 1])))["next"]
     assert after["step"].flatten().tolist() == [1, 1, 1], "slots have moved before the error"
-    with pytest.raises(EpisodeError, match="the episode of slot 1 is over: reset it"):
+    with pytest.raises(EpisodeError, match="the episode of slot 1 is over: reset that slot"):
         env.step(now.clone().set("action", torch.tensor([1, 1, 1])))
 
 

@@ -211,7 +211,7 @@ def test_the_command_plays_pairs_that_are_ordinary_runs(tmp_path: Path, capsys: 
     [
         ("frontier", (), (), "expected an agent that reads habits"),
         ("belief", ("habit_level=none",), (), "at level none: expected an agent that reads habits, at level full"),
-        ("belief", ("habit_level=context",), (), "at level context: needs"),
+        ("belief", ("habit_level=context",), (), "at level context: expected"),
         ("belief", ("env.source.edits=edits.jsonl",), (), "the habits of this run were edited already"),
         ("belief", (), ("--most", "0"), "--most 0: expected a whole number from 1 up"),
         ("belief", (), ("--every", "0"), "--every 0: expected a whole number from 1 up"),

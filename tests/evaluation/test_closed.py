@@ -48,7 +48,7 @@ def test_no_way_is_no_number_and_no_common_episode_an_error() -> None:
     assert all(np.isnan(share.mean) for share in found.values())
     worse = distance_closed(start, played([True, True], contained=False), start)
     assert all(np.isnan(share.mean) for share in worse.values())  # no distance to close
-    with pytest.raises(ConfigError, match="common episode"):
+    with pytest.raises(ConfigError, match="no episode in common"):
         distance_closed(start, [replace(r, episode=f"other {r.episode}") for r in start], start)
 
 

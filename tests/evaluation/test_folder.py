@@ -55,7 +55,7 @@ def test_finished_run_is_complete_and_taken_over(tmp_path):
     assert len((tmp_path / RECORDS).read_text().splitlines()) == 2
     assert json.loads((tmp_path / SUMMARY).read_text())["n"] == 2
     assert RunFolder(tmp_path, HASHES).open(IDS[:2]) == {0: played(0), 1: played(1)}
-    with pytest.raises(DataError, match="a finished run of other episodes"):
+    with pytest.raises(DataError, match="now names other episodes"):
         RunFolder(tmp_path, HASHES).open(IDS)
     with pytest.raises(ConfigError, match="another run"):
         RunFolder(tmp_path, HASHES | {"code": "new"}).open(IDS)

@@ -105,7 +105,7 @@ def test_paired_comparison_uses_common_episodes_only():
 def test_comparison_refuses_what_cannot_be_paired():
     with pytest.raises(ConfigError, match="no episode in common"):
         compare_records([record(0)], [record(1)])
-    with pytest.raises(ConfigError, match="there twice"):
+    with pytest.raises(ConfigError, match="listed twice"):
         compare_records([record(0), record(0)], [record(0)])
 
 

@@ -58,9 +58,9 @@ def test_episodes_are_compared_one_by_one() -> None:
 
 def test_a_part_can_be_played_only_where_episodes_are_kept() -> None:
     StoredRun("belief", FIGURES, RECORDS).check(["e0"], every=2)
-    with pytest.raises(DataError, match="other episodes are kept"):
+    with pytest.raises(DataError, match="now names other episodes"):
         StoredRun("belief", FIGURES, RECORDS).check(["e1"], every=2)
     with pytest.raises(DataError, match="no episodes are kept"):
         StoredRun("belief", FIGURES, None).check(["e0"], every=2)
-    with pytest.raises(DataError, match="other episodes are kept"):
+    with pytest.raises(DataError, match="now names other episodes"):
         StoredRun("belief", FIGURES, None).check(["e0"])

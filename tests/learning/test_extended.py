@@ -99,7 +99,7 @@ def test_it_is_said_wherever_the_run_is_described(extended):
     summary = json.loads((extended / SUMMARY).read_text())
     assert (summary["steps"], summary["extended"]) == (40, [{"at": 23, "steps": 40}])
     card = (extended / CARD).read_text()
-    assert "Planned for 23 steps, after 23 extended to 40; since then its learning rate is that of the longer" in card
+    assert "Planned for 23 steps, extended to 40 after 23; from then on its learning rate follows the longer" in card
     config = OmegaConf.load(extended / CONFIG)
     assert config.training == {**STORED["training"], "extended": [{"at": 23, "steps": 40}]}
     lines = [json.loads(line) for line in (extended / METRICS).read_text().splitlines()]
@@ -177,7 +177,7 @@ def test_a_stopped_run_may_be_extended_and_extended_again(tmp_path):
     run = extend(tmp_path, 35)
     assert run.plan.extended == (Extension(7, 30), Extension(30, 35))
     assert json.loads((tmp_path / SUMMARY).read_text())["steps"] == 35
-    assert "after 7 extended to 30, after 30 extended to 35" in (tmp_path / CARD).read_text()
+    assert "extended to 30 after 7, extended to 35 after 30" in (tmp_path / CARD).read_text()
 
 
 @pytest.mark.parametrize("steps", [40, 39, 23, 1])

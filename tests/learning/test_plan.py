@@ -35,7 +35,7 @@ def test_extensions_follow_each_other_or_replace_those_that_were_decided_later()
     ("step", "steps", "message"),
     [
         (23, 23, "steps=23: 23 steps are done; give more, or leave it out"),
-        (23, 10, "steps=10: 23 are done"),
+        (23, 10, "steps=10: 23 steps are done"),
         (12, 20, "steps=20: the run already has 23; give more, or leave it out"),
         (12, MOST_STEPS + 1, "does not follow"),
     ],

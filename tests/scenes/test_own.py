@@ -37,7 +37,7 @@ def test_names_hold_what_can_be_a_file() -> None:
 
 
 def test_what_is_not_kept_says_what_to_do(cache: Path) -> None:
-    with pytest.raises(DataError, match=r"not kept on this machine; give its file again \(python -m ucon home check"):
+    with pytest.raises(DataError, match=r"not stored on this machine; give its file again \(python -m ucon home check"):
         own_program("own:my_flat:0123456789ab")
     for odd in ("own:x", "own:../../etc/passwd:0123456789ab", "own:a:0123456789ab/../x"):
         with pytest.raises(DataError, match="expected own:<name>"):

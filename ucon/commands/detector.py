@@ -149,7 +149,7 @@ def described(errors: DetectorErrors, thing: str) -> str:
     lines.append("  " + "   ".join(f"{score:.1f}: {ratio:.2f}" for score, ratio in zip(_SCORES, scores, strict=True)))
     lines.append(f"boxes on nothing: {errors.false_boxes:.2f} a frame, {100 * errors.false_share:.0f} % of all boxes")
     lines.append(
-        f"agreement of looks from the same side (of {errors.sides}) within {errors.octave:g} octave: "
-        f"{errors.repeats:.2f}; of other looks: {errors.repeats_elsewhere:.2f}"
+        f"looks from one side (of {errors.sides}) within {errors.octave:g} octave agree by {errors.repeats:.2f}, "
+        f"others by {errors.repeats_elsewhere:.2f}"
     )
     return "\n".join(lines)

@@ -218,7 +218,7 @@ def test_games_are_had_while_another_is_opened(tmp_path: Path, monkeypatch: pyte
     opening.join(60)
     game, error = said
     assert error == "the server is shutting down; start it again and continue"
-    with pytest.raises(ConfigError, match="was left"):  # and not "all searches are done"
+    with pytest.raises(ConfigError, match="have left this search"):  # and not "all searches are done"
         game.state()
 
 
