@@ -1,4 +1,4 @@
-"""What ``configs/`` builds, for tests of stored configurations: each constructor with its arguments."""
+"""Constructors that ``configs/`` names, each with its arguments, for tests of stored configurations."""
 
 from __future__ import annotations
 

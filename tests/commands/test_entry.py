@@ -1,4 +1,4 @@
-"""What a user sees when the disk fills up in the middle of ``eval.py`` or ``train.py``."""
+"""The one-line error when the disk fills up in the middle of ``eval.py`` or ``train.py``."""
 
 from __future__ import annotations
 

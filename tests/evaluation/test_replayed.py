@@ -1,4 +1,4 @@
-"""What counts as the same when a run is replayed."""
+"""Replayed runs: which episodes count as the same, and which runs are refused."""
 
 from __future__ import annotations
 

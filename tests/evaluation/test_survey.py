@@ -174,7 +174,7 @@ def test_two_categories_are_enough():
 
 
 def test_figures_of_a_rater_have_four_digits(items, key, tmp_path):
-    """Of three answers about true places two are yes, and the mean of the three ratings is 4 1/3."""
+    """Ratings 4, 4, 5 and answers yes, yes, no about true places give 4.3333 and 0.6667."""
     true = [item.item for item in items if item.truth == "true"]
     said = {item.item: ("", "") for item in items} | {true[0]: (4, "yes"), true[1]: (4, "yes"), true[2]: (5, "no")}
     (tmp_path / "ana.csv").write_text(filled(items, said))

@@ -202,7 +202,7 @@ def test_nothing_is_collected_beyond_the_end_but_where_a_run_is_lengthened(learn
 
 @pytest.mark.parametrize("at", [2, 3, 5])
 def test_a_run_that_is_killed_goes_on_to_the_same_bytes(learner, tmp_path, at):
-    """It is killed before a collection, halfway between two, and just after one."""
+    """A run killed before a collection, halfway between two, or just after one."""
 
     class KilledError(Exception):
         pass

@@ -107,7 +107,7 @@ def test_names_that_lead_elsewhere(run, elsewhere, name, how):
 
 
 def test_a_wrong_pointer_to_the_best_changes_no_figure(run, whole):
-    """It names a whole checkpoint, but not the one with the best validation."""
+    """The pointer ``best`` names a whole checkpoint, but not the one with the best validation."""
     best, others = (run / "checkpoints" / "best"), sorted((run / "checkpoints").glob("step_*"))
     best.write_text(next(p.name for p in others if p.name != best.read_text().strip()) + "\n")
     again = TrainingRun(run, Line(), PLAN, {"config": "x"})

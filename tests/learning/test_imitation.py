@@ -29,7 +29,7 @@ def learner(folder):
 
 
 def test_it_learns_three_episodes_by_heart(folder, learner):
-    """It predicts nearly all labels in the end; always predicting the commonest would be right in four of five."""
+    """The learner predicts nearly all labels at the end; always predicting the commonest is right for four in five."""
     found = learner(n_episodes=3, levels=("none",), steps=400, chunk=10, lr=5e-3, loss=SequenceLoss({"done": 2.0}))
     labels = "".join(episode.solution for episode in found.episodes)
     prior = max(labels.count(digit) for digit in set(labels)) / len(labels)

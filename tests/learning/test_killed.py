@@ -19,7 +19,7 @@ MADE = {"imitation": tiny_imitation, "dagger": tiny_dagger, "ppo": tiny_ppo}
 
 
 def train(kind, episodes, folder):
-    """What each process does: start the run, or continue where the last process stopped."""
+    """Start the run, or continue where the last process stopped; runs in each process."""
     import torch
 
     torch.set_num_threads(1)
